@@ -80,7 +80,7 @@ class LetterQueue {
   std::size_t first_ = 0, count_ = 0;
 };
 
-enum class PortKind : std::uint8_t { publisher, subscription, service };
+enum class PortKind : std::uint8_t { publisher, subscription, service, client };
 
 /// What a plugin says of a topic or service when it opens the port.
 struct PortFacts {
@@ -88,7 +88,7 @@ struct PortFacts {
   std::string node;       ///< full name of its node: "/arm/driver"
   std::string name;       ///< full name: "/arm/driver/state"
   bool absolute = false;  ///< the plugin's name began with "/": a namespace does not change it
-  std::string type;       ///< "std_msgs/msg/String"; of a service "std_srvs/srv/Trigger"
+  std::string type;       ///< "std_msgs/msg/String"; of a service or client "std_srvs/srv/Trigger"
   bool reliable = true, transient_local = false;
   std::size_t depth = 10;
 };
@@ -100,7 +100,7 @@ class NodePort {
       : facts(std::move(given)), to_graph(facts.depth), from_graph(facts.depth) {}
 
   const PortFacts facts;
-  /// Subscribers of a publisher on the graph. Written by the door.
+  /// Subscribers of a publisher on the graph; of a client, servers. Written by the door.
   std::atomic<std::uint32_t> peers{0};
   LetterQueue to_graph, from_graph;
 };

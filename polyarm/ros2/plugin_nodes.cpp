@@ -30,6 +30,8 @@ constexpr auto kLook = std::chrono::milliseconds(50);
 /// Payloads of one port in a tick; open requests of one service; length of a name.
 constexpr int kMostInATick = 32;
 constexpr std::size_t kMostRequests = 64, kLongestName = 200;
+/// How long a client waits for the reply to one call before its next one goes out.
+constexpr auto kLongestCall = std::chrono::seconds(10);
 
 /// "std_msgs/msg/String" as "std_msgs::msg::dds_::String_".
 std::string dds_name_of(const std::string& type) {
@@ -103,6 +105,10 @@ class OpenPort {
                                    const auto open = port.lock();
                                    return !open || open->from_graph.put(0, true, copy_of(payload));
                                  });
+    else if (facts.kind == PortKind::client)
+      id_ = bridge.wire().client(group_, name, types.type(facts.type + "_Request"),
+                                 types.type(facts.type + "_Response"),
+                                 [this](std::span<const std::byte> reply) { return take_reply(reply); });
     else
       bridge.wire().service(group_, name, types.type(facts.type + "_Request"),
                             types.type(facts.type + "_Response"),
@@ -120,9 +126,14 @@ class OpenPort {
   void look() {
     const auto port = port_.lock();
     if (port && kind_ == PortKind::publisher) port->peers = bridge_.wire().wanted(id_) ? 1 : 0;
+    if (port && kind_ == PortKind::client) port->peers = bridge_.wire().ready(id_) ? 1 : 0;
   }
   void serve() {
     const auto port = port_.lock();
+    if (kind_ == PortKind::client) {
+      if (port) call_next(*port);
+      return;
+    }
     for (int i = 0; port && i < kMostInATick && port->to_graph.take(letter_); ++i) {
       if (kind_ == PortKind::publisher) {
         bridge_.wire().publish(id_, bytes_of(letter_.payload));
@@ -134,6 +145,19 @@ class OpenPort {
   }
 
  private:
+  /// One call after the other: the wire knows the reply to the latest one only. Calls wait for a server.
+  void call_next(NodePort& port) {
+    const auto now = std::chrono::steady_clock::now();
+    if ((calling_ != 0 && now - called_ < kLongestCall) || !bridge_.wire().ready(id_)) return;
+    calling_ = 0;
+    if (!port.to_graph.take(letter_)) return;
+    if (bridge_.wire().call(id_, bytes_of(letter_.payload))) calling_ = letter_.number, called_ = now;
+  }
+  bool take_reply(std::span<const std::byte> reply) {
+    const auto port = port_.lock();
+    const std::uint64_t number = std::exchange(calling_, 0);
+    return !port || number == 0 || port->from_graph.put(number, true, copy_of(reply));
+  }
   bool take(Wire::Request request) {
     const auto port = port_.lock();
     if (!port) return true;
@@ -150,6 +174,8 @@ class OpenPort {
   Wire::Id id_ = 0;
   Letter letter_;
   std::uint64_t requests_ = 0;
+  std::uint64_t calling_ = 0;  ///< of a client: number of the call that waits for its reply; 0 if none does
+  std::chrono::steady_clock::time_point called_;
   std::map<std::uint64_t, std::function<void(std::vector<std::byte>)>> asked_;
 };
 

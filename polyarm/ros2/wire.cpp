@@ -119,8 +119,11 @@ class Wire::Work {
   }
 
   Id client(const std::string& node, const std::string& name, const std::string& type, OnMessage on_reply) {
-    const messages::TypeInfo& request = part(type, "_Request");
-    const messages::TypeInfo& response = part(type, "_Response");
+    return client(node, name, part(type, "_Request"), part(type, "_Response"), std::move(on_reply));
+  }
+
+  Id client(const std::string& node, const std::string& name, const messages::TypeInfo& request,
+            const messages::TypeInfo& response, OnMessage on_reply) {
     const auto caller = std::make_shared<Caller>();
     caller->me = unique();
     caller->on_reply = std::move(on_reply);
@@ -514,6 +517,10 @@ Wire::Id Wire::service(const std::string& node, const std::string& name, const m
 Wire::Id Wire::client(const std::string& node, const std::string& name, const std::string& type,
                       OnMessage on_reply) {
   return work_->client(node, name, type, std::move(on_reply));
+}
+Wire::Id Wire::client(const std::string& node, const std::string& name, const messages::TypeInfo& request,
+                      const messages::TypeInfo& response, OnMessage on_reply) {
+  return work_->client(node, name, request, response, std::move(on_reply));
 }
 bool Wire::ready(Id client) const {
   return work_->ready(client);

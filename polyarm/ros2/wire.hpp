@@ -64,6 +64,9 @@ class Wire {
   /// A client for services of other nodes, whatever their middleware. `on_reply` receives the reply to the
   /// latest call only.
   Id client(const std::string& node, const std::string& name, const std::string& type, OnMessage on_reply);
+  /// The same for a type that only its owner knows.
+  Id client(const std::string& node, const std::string& name, const messages::TypeInfo& request,
+            const messages::TypeInfo& response, OnMessage on_reply);
   /// True if there is a server to call. A server of Cyclone or others counts only after it had time to
   /// discover this client.
   bool ready(Id client) const;

@@ -61,6 +61,7 @@ class ControllerInterfaceBase : public rclcpp_lifecycle::node_interfaces::Lifecy
     options.automatically_declare_parameters_from_overrides(
         custom.automatically_declare_parameters_from_overrides());
     node_ = std::make_shared<Node>(params.controller_name, params.node_namespace, options, false);
+    node_->get_node_base_interface()->polyarm_robot_description = params.robot_description;
     node_->register_on_configure([this](const auto& state) { return on_configure(state); });
     node_->register_on_cleanup([this](const auto& state) { return on_cleanup(state); });
     node_->register_on_activate([this](const auto& state) { return on_activate(state); });

@@ -21,6 +21,7 @@
 #include "polyarm_ros/exported.hpp"
 #include "polyarm_ros/log.hpp"
 #include "polyarm_ros/reason.hpp"
+#include "polyarm_ros/wires.hpp"
 
 namespace polyarm_ros {
 
@@ -188,6 +189,7 @@ class RosComponent : public hw::Component {
   }
   template <typename Call>
   hw::CallbackReturn callback(const char* where, Call&& call) {
+    const ServesGraph mark;
     try {
       const ros::CallbackReturn result = call();
       if (result == ros::CallbackReturn::SUCCESS) return hw::CallbackReturn::success;

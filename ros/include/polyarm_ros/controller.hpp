@@ -164,6 +164,7 @@ class RosController : public pc::Controller, public pc::RobotUser {
   }
   template <typename Call>
   void expect(const char* where, Call&& call) {
+    const ServesGraph mark;
     if (!guarded(where, call))
       throw polyarm::Error("controller-refused",
                            "the controller '" + name_ + "' does not accept its configuration: its " + where +

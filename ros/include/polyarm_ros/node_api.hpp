@@ -14,6 +14,7 @@
 #include "rclcpp/publisher.hpp"
 #include "rclcpp/service.hpp"
 #include "rclcpp/subscription.hpp"
+#include "std_msgs/msg/string.hpp"
 
 namespace polyarm_ros {
 
@@ -67,6 +68,7 @@ class NodeApi {
     on->add(listener);
     note("topic", topic, listener->port);
     core_->wires.add(listener);
+    give_description<Message>(topic, *listener);
     return std::make_shared<rclcpp::Subscription<Message>>(std::move(listener));
   }
   template <typename Publisher>
@@ -90,11 +92,16 @@ class NodeApi {
     auto service =
         std::make_shared<rclcpp::Service<Type>>(name, std::move(port), std::forward<Callback>(callback));
     core_->wires.add(std::shared_ptr<Callee>(service));
+    rclcpp::LocalServices::add(full(name), service);
     return service;
   }
   template <typename Type, typename... Rest>
   typename rclcpp::Client<Type>::SharedPtr create_client(const std::string& name, Rest&&...) {
-    return std::make_shared<rclcpp::Client<Type>>(get_name(), name);
+    Port port = open_port<Type>(PortKind::client, get_fully_qualified_name(), name, full(name),
+                                rclcpp::QoS(polyarm::hardware::LetterQueue::kMost));
+    auto client = std::make_shared<rclcpp::Client<Type>>(name, full(name), std::move(port));
+    core_->wires.add(std::shared_ptr<Callee>(client));
+    return client;
   }
   template <typename Rep, typename Ratio, typename Callback>
   typename rclcpp::WallTimer<>::SharedPtr create_wall_timer(std::chrono::duration<Rep, Ratio> period,
@@ -143,6 +150,15 @@ class NodeApi {
                                                   const Descriptor& descriptor = {}, bool = false) {
     return core_->declare_parameter(name, rclcpp::ParameterValue{}, descriptor);
   }
+  /// Parameters below `name_space`, each with its default; the values that they got.
+  template <typename T>
+  std::vector<T> declare_parameters(const std::string& name_space, const std::map<std::string, T>& all,
+                                    bool = false) {
+    std::vector<T> out;
+    for (const auto& [name, value] : all)
+      out.push_back(declare_parameter(name_space.empty() ? name : name_space + "." + name, value));
+    return out;
+  }
   void undeclare_parameter(const std::string& name) { core_->undeclare_parameter(name); }
   bool has_parameter(const std::string& name) const { return core_->has_parameter(name); }
   rclcpp::Parameter get_parameter(const std::string& name) const { return core_->get_parameter(name); }
@@ -168,6 +184,18 @@ class NodeApi {
   bool get_parameters(const std::string& prefix, std::map<std::string, rclcpp::Parameter>& out) const {
     return core_->get_parameters_by_prefix(prefix, out);
   }
+  auto list_parameters(const std::vector<std::string>& prefixes, std::uint64_t depth) const {
+    return core_->list_parameters(prefixes, depth);
+  }
+  Descriptor describe_parameter(const std::string& name) const {
+    return core_->describe_parameters({name}).front();
+  }
+  auto describe_parameters(const std::vector<std::string>& names) const {
+    return core_->describe_parameters(names);
+  }
+  auto get_parameter_types(const std::vector<std::string>& names) const {
+    return core_->get_parameter_types(names);
+  }
   auto set_parameter(const rclcpp::Parameter& p) { return core_->set_parameter(p); }
   auto set_parameters(const std::vector<rclcpp::Parameter>& all) { return core_->set_parameters(all); }
   auto set_parameters_atomically(const std::vector<rclcpp::Parameter>& all) {
@@ -175,6 +203,9 @@ class NodeApi {
   }
   auto add_on_set_parameters_callback(rclcpp::node_interfaces::ParametersCallback callback) {
     return core_->add_on_set_parameters_callback(std::move(callback));
+  }
+  auto add_post_set_parameters_callback(std::function<void(const std::vector<rclcpp::Parameter>&)> callback) {
+    return core_->add_post_set_parameters_callback(std::move(callback));
   }
   void remove_on_set_parameters_callback(
       const rclcpp::node_interfaces::OnSetParametersCallbackHandle* handle) {
@@ -192,6 +223,17 @@ class NodeApi {
   }
 
  private:
+  /// In ROS the robot's description waits on a topic for those who come later.
+  template <typename Message>
+  void give_description(const std::string& topic, Listener& listener) const {
+    if constexpr (std::is_same_v<Message, std_msgs::msg::String>) {
+      const std::string& text = core_->polyarm_robot_description;
+      if (text.empty() || (topic != "robot_description" && topic != "/robot_description")) return;
+      auto message = std::make_shared<Message>();
+      message->data = text;
+      listener.take(std::move(message));
+    }
+  }
   std::string full(const std::string& topic) const {
     return full_topic(get_namespace(), get_fully_qualified_name(), topic);
   }

@@ -26,12 +26,24 @@ struct ActionPort {
   std::function<bool(std::uint64_t)> cancel;
 };
 
-/// A service of a node. Its callbacks run in `run`, until the steady time `until` (ns; 0: for all that
-/// waits); false if nothing waited.
+/// A service or client of a node. Its callbacks run in `run`, until the steady time `until` (ns; 0: for all
+/// that waits); false if nothing waited.
 struct Callee {
   virtual ~Callee() = default;
   virtual bool run(std::int64_t until) = 0;
   virtual std::string title() const = 0;
+};
+
+/// True on a thread that serves the graph while it calls the plugin: there, waiting for the graph is in vain.
+inline bool& serves_graph() {
+  static thread_local bool value = false;
+  return value;
+}
+struct ServesGraph {
+  ServesGraph() { serves_graph() = true; }
+  ~ServesGraph() { serves_graph() = false; }
+  ServesGraph(const ServesGraph&) = delete;
+  ServesGraph& operator=(const ServesGraph&) = delete;
 };
 
 /// Of one node. Any thread.

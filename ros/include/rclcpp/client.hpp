@@ -1,73 +1,198 @@
 #pragma once
+/// Clients of services: of the same module, and on the ROS 2 graph. A request that nobody answers leaves its
+/// future open, as in ROS. Any thread.
 #include <chrono>
+#include <cstdint>
+#include <functional>
 #include <future>
+#include <map>
 #include <memory>
+#include <mutex>
 #include <string>
+#include <thread>
+#include <type_traits>
 #include <utility>
 
 #include "polyarm_ros/door.hpp"
+#include "polyarm_ros/wires.hpp"
 #include "rclcpp/callback_group.hpp"
 #include "rclcpp/future_return_code.hpp"
 #include "rclcpp/qos.hpp"
+#include "rclcpp/service.hpp"
+#include "rclcpp/utilities.hpp"
 
 namespace rclcpp {
 
-class ClientBase {
+class ClientBase : public polyarm_ros::Callee {
  public:
   RCLCPP_SMART_PTR_DEFINITIONS(ClientBase)
-  ClientBase(const std::string& node, std::string name) : name_(std::move(name)) {
-    polyarm_ros::report_unavailable(node, "service", name_);
-  }
-  virtual ~ClientBase() = default;
-  const char* get_service_name() const { return name_.c_str(); }
-  bool service_is_ready() const { return false; }
+  ClientBase(std::string name, std::string full, polyarm_ros::Port port)
+      : port_(std::move(port)), name_(std::move(name)), full_(std::move(full)) {}
+  const char* get_service_name() const { return full_.c_str(); }
+  std::string title() const override { return name_; }
+  bool service_is_ready() const { return local() || (port_ && port_->peers.load() > 0); }
+  /// Waits at most for the timeout of the steady clock (negative: for ever). A thread that serves the graph
+  /// itself, as in on_configure of a controller, does not wait.
   template <typename Rep = long, typename Ratio = std::milli>
-  bool wait_for_service(std::chrono::duration<Rep, Ratio> = std::chrono::duration<Rep, Ratio>(-1)) {
-    return false;
+  bool wait_for_service(std::chrono::duration<Rep, Ratio> timeout = std::chrono::duration<Rep, Ratio>(-1)) {
+    const auto end = std::chrono::steady_clock::now() + timeout;
+    while (ok() && !service_is_ready()) {
+      if (polyarm_ros::serves_graph() || (timeout.count() >= 0 && std::chrono::steady_clock::now() >= end))
+        break;
+      std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    }
+    return service_is_ready();
   }
+
+ protected:
+  virtual bool local() const = 0;
+  polyarm_ros::Port port_;
+  const std::string& full() const { return full_; }
 
  private:
-  std::string name_;
+  std::string name_, full_;
 };
 
-/// Of a service that nobody offers: its futures never become ready.
 template <typename Type>
-class Client : public ClientBase {
+class Client : public ClientBase, public std::enable_shared_from_this<Client<Type>> {
  public:
   RCLCPP_SMART_PTR_DEFINITIONS(Client<Type>)
   using ClientBase::ClientBase;
-  using SharedRequest = typename Type::Request::SharedPtr;
-  using SharedResponse = typename Type::Response::SharedPtr;
+  using Request = typename Type::Request;
+  using Response = typename Type::Response;
+  using SharedRequest = std::shared_ptr<Request>;
+  using SharedResponse = std::shared_ptr<Response>;
   using Promise = std::promise<SharedResponse>;
+  using SharedPromise = std::shared_ptr<Promise>;
   using Future = std::future<SharedResponse>;
   using SharedFuture = std::shared_future<SharedResponse>;
-  struct FutureAndRequestId : Future {
-    using Future::Future;
-    explicit FutureAndRequestId(Future&& f) : Future(std::move(f)) {}
-    Future future;
-    long long request_id = 0;
-    SharedFuture share() { return Future::share(); }
-  };
-  using SharedFutureAndRequestId = SharedFuture;
+  using CallbackType = std::function<void(SharedFuture)>;
+  /// Requests that wait for their response; the oldest is dropped.
+  static constexpr std::size_t kMost = 64;
 
-  FutureAndRequestId async_send_request(SharedRequest) {
-    promise_ = std::make_shared<Promise>();
-    return FutureAndRequestId(promise_->get_future());
-  }
-  template <typename Callback>
-  SharedFuture async_send_request(SharedRequest, Callback&&) {
-    promise_ = std::make_shared<Promise>();
-    return promise_->get_future().share();
-  }
-  bool remove_pending_request(long long) { return true; }
   template <typename F>
-  bool remove_pending_request(const F&) {
-    return true;
+  struct FutureWithId {
+    F future;
+    std::int64_t request_id = 0;
+    operator F&() { return future; }
+    auto get() { return future.get(); }
+    bool valid() const { return future.valid(); }
+    void wait() const { future.wait(); }
+    template <typename Span>
+    std::future_status wait_for(const Span& span) const {
+      return future.wait_for(span);
+    }
+    template <typename Time>
+    std::future_status wait_until(const Time& time) const {
+      return future.wait_until(time);
+    }
+  };
+  struct FutureAndRequestId : FutureWithId<Future> {
+    SharedFuture share() { return this->future.share(); }
+    operator SharedFuture() { return share(); }
+  };
+  struct SharedFutureAndRequestId : FutureWithId<SharedFuture> {
+    operator SharedFuture() const { return this->future; }
+  };
+
+  FutureAndRequestId async_send_request(SharedRequest request) {
+    Pending pending;
+    FutureAndRequestId out;
+    out.future = pending.promise->get_future();
+    out.request_id = send(std::move(request), std::move(pending));
+    return out;
   }
-  std::size_t prune_pending_requests() { return 0; }
+  /// `call` gets the future, or the pair of request and response.
+  template <typename Callback>
+  SharedFutureAndRequestId async_send_request(SharedRequest request, Callback&& call) {
+    Pending pending;
+    SharedFutureAndRequestId out;
+    out.future = pending.promise->get_future().share();
+    if constexpr (std::is_invocable_v<Callback&, SharedFuture>)
+      pending.done = [call, future = out.future](const SharedResponse&) mutable { call(future); };
+    else
+      pending.done = [call, request](const SharedResponse& response) mutable {
+        std::promise<std::pair<SharedRequest, SharedResponse>> both;
+        both.set_value({request, response});
+        call(both.get_future().share());
+      };
+    out.request_id = send(std::move(request), std::move(pending));
+    return out;
+  }
+  bool remove_pending_request(std::int64_t number) {
+    const std::lock_guard lock(mutex_);
+    return pending_.erase(number) > 0;
+  }
+  template <typename F>
+  bool remove_pending_request(const FutureWithId<F>& future) {
+    return remove_pending_request(future.request_id);
+  }
+  std::size_t prune_pending_requests() {
+    const std::lock_guard lock(mutex_);
+    const std::size_t count = pending_.size();
+    pending_.clear();
+    return count;
+  }
+  /// Takes the responses that have come from the graph.
+  bool run(std::int64_t) override {
+    bool any = false;
+    if constexpr (polyarm_ros::HasFields<Response>::value) {
+      polyarm::hardware::Letter letter;
+      for (std::size_t n = 0; n < kMost && port_ && port_->from_graph.take(letter); ++n) {
+        auto response = std::make_shared<Response>();
+        if (polyarm_ros::decode(letter.payload, *response))
+          finish(static_cast<std::int64_t>(letter.number), response);
+        any = true;
+      }
+    }
+    return any;
+  }
 
  private:
-  std::shared_ptr<Promise> promise_;
+  struct Pending {
+    SharedPromise promise = std::make_shared<Promise>();
+    std::function<void(const SharedResponse&)> done;
+  };
+
+  std::shared_ptr<Service<Type>> server() const {
+    return std::dynamic_pointer_cast<Service<Type>>(LocalServices::find(this->full()));
+  }
+  bool local() const override { return server() != nullptr; }
+  std::int64_t send(SharedRequest request, Pending pending) {
+    std::int64_t number = 0;
+    {
+      const std::lock_guard lock(mutex_);
+      number = ++last_;
+      if (pending_.size() >= kMost) pending_.erase(pending_.begin());
+      pending_[number] = std::move(pending);
+    }
+    if (const auto here = server()) {
+      here->ask(std::move(request), [self = this->weak_from_this(), number](const SharedResponse& response) {
+        if (const auto client = self.lock()) client->finish(number, response);
+      });
+    } else if constexpr (polyarm_ros::HasFields<Request>::value) {
+      if (port_)
+        port_->to_graph.put(static_cast<std::uint64_t>(number), true,
+                            [&](polyarm_ros::Payload& out) { polyarm_ros::encode(*request, out); });
+    }
+    return number;
+  }
+  void finish(std::int64_t number, const SharedResponse& response) {
+    Pending pending;
+    {
+      const std::lock_guard lock(mutex_);
+      const auto found = pending_.find(number);
+      if (found == pending_.end()) return;
+      pending = std::move(found->second);
+      pending_.erase(found);
+    }
+    pending.promise->set_value(response);
+    if (pending.done) pending.done(response);
+  }
+
+  std::mutex mutex_;
+  std::map<std::int64_t, Pending> pending_;
+  std::int64_t last_ = 0;
 };
 
 }  // namespace rclcpp

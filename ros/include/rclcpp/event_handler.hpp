@@ -1,1 +1,2 @@
 #pragma once
+#include "rclcpp/qos_event.hpp"

@@ -78,6 +78,10 @@ class ParameterValue {
   /// The same value as another type, where files write it alike: 1 for 1.0, [] for any array, one value for an
   /// array of it, a number for a text. Throws InvalidParameterTypeException with the name.
   ParameterValue as_type(ParameterType wanted, const std::string& name) const;
+  /// As ROS prints it: `true`, `2`, `0.500000`, `text`, `["a", "b"]`.
+  std::string as_text() const {
+    return std::visit([](const auto& value) { return text_of(value); }, value_);
+  }
   bool operator==(const ParameterValue& o) const { return value_ == o.value_; }
   bool operator!=(const ParameterValue& o) const { return value_ != o.value_; }
 
@@ -100,6 +104,23 @@ class ParameterValue {
       return std::vector<double>(v.begin(), v.end());
     else
       return v;
+  }
+  static std::string text_of(std::monostate) { return "not set"; }
+  static std::string text_of(bool value) { return value ? "true" : "false"; }
+  static std::string text_of(const std::string& value) { return value; }
+  template <typename T>
+  static std::string text_of(const T& value) {
+    if constexpr (std::is_arithmetic_v<T>) {
+      return std::to_string(value);
+    } else {
+      using Element = typename T::value_type;
+      std::string out;
+      for (const Element each : value) {
+        const std::string text = text_of(each);
+        out += (out.empty() ? "" : ", ") + (std::is_same_v<Element, std::string> ? '"' + text + '"' : text);
+      }
+      return "[" + out + "]";
+    }
   }
   template <typename T>
   const T& as() const {
@@ -180,10 +201,17 @@ class Parameter {
   std::vector<double> as_double_array() const { return value_.get<std::vector<double>>(); }
   std::vector<std::string> as_string_array() const { return value_.get<std::vector<std::string>>(); }
   std::vector<std::uint8_t> as_byte_array() const { return value_.get<std::vector<std::uint8_t>>(); }
+  std::string value_to_string() const { return value_.as_text(); }
 
  private:
   std::string name_;
   ParameterValue value_;
 };
+inline std::string to_string(const ParameterValue& value) {
+  return value.as_text();
+}
+inline std::string to_string(const Parameter& parameter) {
+  return parameter.value_to_string();
+}
 
 }  // namespace rclcpp

@@ -7,12 +7,16 @@
 #include "polyarm_ros/wires.hpp"
 #include "rclcpp/callback_group.hpp"
 #include "rclcpp/qos.hpp"
+#include "rclcpp/qos_event.hpp"
 
 namespace rclcpp {
 
 struct PublisherOptions {
-  CallbackGroup::SharedPtr callback_group;
+  PublisherEventCallbacks event_callbacks;
   bool use_default_callbacks = true;
+  IntraProcessSetting use_intra_process_comm = IntraProcessSetting::NodeDefault;
+  CallbackGroup::SharedPtr callback_group;
+  QosOverridingOptions qos_overriding_options;
 };
 template <typename Allocator>
 using PublisherOptionsWithAllocator = PublisherOptions;

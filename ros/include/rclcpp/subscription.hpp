@@ -9,14 +9,20 @@
 #include "polyarm_ros/wires.hpp"
 #include "rclcpp/callback_group.hpp"
 #include "rclcpp/qos.hpp"
+#include "rclcpp/qos_event.hpp"
 
 namespace rclcpp {
 
 class MessageInfo {};
 struct SubscriptionOptions {
-  CallbackGroup::SharedPtr callback_group;
+  SubscriptionEventCallbacks event_callbacks;
   bool use_default_callbacks = true, ignore_local_publications = false;
+  CallbackGroup::SharedPtr callback_group;
+  IntraProcessSetting use_intra_process_comm = IntraProcessSetting::NodeDefault;
+  QosOverridingOptions qos_overriding_options;
 };
+template <typename Allocator>
+using SubscriptionOptionsWithAllocator = SubscriptionOptions;
 
 class SubscriptionBase {
  public:

@@ -1,5 +1,6 @@
 #pragma once
 /// The views of a node. They are one class here, under the names of ROS.
+#include <algorithm>
 #include <functional>
 #include <map>
 #include <memory>
@@ -10,6 +11,7 @@
 
 #include "polyarm_ros/call_watch.hpp"
 #include "polyarm_ros/wires.hpp"
+#include "rcl_interfaces/msg/list_parameters_result.hpp"
 #include "rclcpp/callback_group.hpp"
 #include "rclcpp/clock.hpp"
 #include "rclcpp/exceptions.hpp"
@@ -72,6 +74,8 @@ class NodeCore {
                                           bool = false) {
     const std::lock_guard lock(mutex_);
     if (descriptor.read_only) fixed_.insert(name);
+    described_[name] = descriptor;
+    described_[name].name = name;
     if (values_.count(name))
       throw exceptions::ParameterAlreadyDeclaredException("parameter '" + name +
                                                           "' has already been declared");
@@ -128,6 +132,53 @@ class NodeCore {
       if (name.compare(0, start.size(), start) == 0) out[name.substr(start.size())] = value;
     return !out.empty();
   }
+  /// Names below any of the prefixes (all without one), down to `depth` levels (0: all).
+  rcl_interfaces::msg::ListParametersResult list_parameters(const std::vector<std::string>& prefixes,
+                                                            std::uint64_t depth) const {
+    const auto levels = [](const std::string& name) {
+      return static_cast<std::uint64_t>(std::count(name.begin(), name.end(), '.')) + 1;
+    };
+    const auto wanted = [&](const std::string& name) {
+      if (prefixes.empty()) return depth == 0 || levels(name) <= depth;
+      for (const std::string& prefix : prefixes)
+        if (name == prefix || (name.compare(0, prefix.size() + 1, prefix + ".") == 0 &&
+                               (depth == 0 || levels(name.substr(prefix.size() + 1)) <= depth)))
+          return true;
+      return false;
+    };
+    const std::lock_guard lock(mutex_);
+    rcl_interfaces::msg::ListParametersResult out;
+    for (const auto& [name, value] : values_) {
+      if (!wanted(name)) continue;
+      out.names.push_back(name);
+      const std::string prefix = name.substr(0, name.find('.') == std::string::npos ? 0 : name.rfind('.'));
+      if (!prefix.empty() &&
+          std::find(out.prefixes.begin(), out.prefixes.end(), prefix) == out.prefixes.end())
+        out.prefixes.push_back(prefix);
+    }
+    return out;
+  }
+  std::vector<rcl_interfaces::msg::ParameterDescriptor> describe_parameters(
+      const std::vector<std::string>& names) const {
+    std::vector<rcl_interfaces::msg::ParameterDescriptor> out;
+    for (const std::string& name : names) {
+      const std::lock_guard lock(mutex_);
+      const auto found = values_.find(name);
+      if (found == values_.end())
+        throw exceptions::ParameterNotDeclaredException("parameter '" + name + "' is not declared");
+      const auto described = described_.find(name);
+      out.push_back(described == described_.end() ? rcl_interfaces::msg::ParameterDescriptor()
+                                                  : described->second);
+      out.back().name = name;
+      out.back().type = static_cast<std::uint8_t>(found->second.get_type());
+    }
+    return out;
+  }
+  std::vector<std::uint8_t> get_parameter_types(const std::vector<std::string>& names) const {
+    std::vector<std::uint8_t> out;
+    for (const auto& each : describe_parameters(names)) out.push_back(each.type);
+    return out;
+  }
   rcl_interfaces::msg::SetParametersResult set_parameters_atomically(const std::vector<Parameter>& all) {
     rcl_interfaces::msg::SetParametersResult result;
     result.successful = true;
@@ -173,6 +224,9 @@ class NodeCore {
     return out;
   }
 
+  /// For clients of parameters: what robot_state_publisher has as `robot_description`. Empty if it is not
+  /// known.
+  std::string polyarm_robot_description;
   polyarm_ros::Wires wires;
   /// What timers count in: the cell's time in the node of a controller.
   polyarm_ros::TimeSource timer_source = std::make_shared<std::atomic<std::int64_t>>(0);
@@ -240,6 +294,7 @@ class NodeCore {
   Clock::SharedPtr clock_;
   mutable std::mutex mutex_;
   std::map<std::string, Parameter> values_;
+  std::map<std::string, rcl_interfaces::msg::ParameterDescriptor> described_;
   std::set<std::string> set_, fixed_;  ///< set by set_parameters; declared as read only
   std::vector<std::weak_ptr<OnSetParametersCallbackHandle>> callbacks_;
   std::vector<std::weak_ptr<PostSetParametersCallbackHandle>> after_;
