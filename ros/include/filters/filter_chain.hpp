@@ -1,10 +1,11 @@
 #pragma once
-/// Filters one behind the other: `filter1`, `filter2`, … with `name` and `type`. Their classes must be in the
-/// module.
+/// Filters one behind the other: `filter1`, `filter2`, … with `name` and `type`. Their classes are those of
+/// control_toolbox and those in the module.
 #include <memory>
 #include <string>
 #include <vector>
 
+#include "control_filters/described.hpp"
 #include "filters/filter_base.hpp"
 #include "pluginlib/class_loader.hpp"
 #include "rclcpp/logging.hpp"
@@ -14,7 +15,10 @@ template <typename T>
 class FilterChain {
  public:
   explicit FilterChain(std::string type)
-      : loader_("filters", "filters::FilterBase<" + type + ">", "filters_plugin") {}
+      : loader_("filters", "filters::FilterBase<" + type + ">", "filters_plugin") {
+    static const bool described = control_filters::describe_all();
+    static_cast<void>(described);
+  }
   bool configure(const std::string& prefix,
                  const rclcpp::node_interfaces::NodeLoggingInterface::SharedPtr& logging,
                  const rclcpp::node_interfaces::NodeParametersInterface::SharedPtr& parameters) {

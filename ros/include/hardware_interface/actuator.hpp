@@ -1,0 +1,2 @@
+#pragma once
+#include "hardware_interface/actuator_interface.hpp"

@@ -1,0 +1,2 @@
+#pragma once
+#include "hardware_interface/sensor_interface.hpp"

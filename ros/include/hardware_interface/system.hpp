@@ -1,0 +1,2 @@
+#pragma once
+#include "hardware_interface/system_interface.hpp"

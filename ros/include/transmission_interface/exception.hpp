@@ -1,0 +1,2 @@
+#pragma once
+#include "transmission_interface/transmission_interface_exception.hpp"
