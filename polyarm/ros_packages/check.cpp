@@ -79,7 +79,7 @@ struct Check {
       for (const Package& each : all) providers.push_back(&each);
     for (const Package* each : providers) {
       take_messages(*each);
-      take_parameters(*each);
+      take_made(*each);
       for (const fs::path& file : sources_of(*each)) take_own(*each, file);
     }
     take_folders_beside();
@@ -107,10 +107,7 @@ struct Check {
     std::error_code error;
     if (!fs::exists(package.folder / "CMakeLists.txt", error)) return sources_of(package);
     const std::string text = read_file(package.folder / "CMakeLists.txt", kLargestSource);
-    std::map<std::string, std::vector<std::string>> variables;
-    for (std::vector<std::string>& words : calls(text, "set"))
-      if (words.size() > 1) variables["${" + words[0] + "}"] = {words.begin() + 1, words.end()};
-    variables["${PROJECT_NAME}"] = {package.name};
+    const auto variables = variables_of(package, text);
     const auto of = [&](const std::string& word) {
       const auto found = variables.find(word);
       return found == variables.end() ? std::vector<std::string>{word} : found->second;
@@ -164,19 +161,34 @@ struct Check {
       for (const fs::path& file : sources_of(beside)) take_own(beside, file);
     }
   }
-  /// Headers that the build makes of the package's parameter files.
-  void take_parameters(const Package& from) {
+  /// What the build file sets, by "${NAME}".
+  static std::map<std::string, std::vector<std::string>> variables_of(const Package& from,
+                                                                      const std::string& text) {
+    std::map<std::string, std::vector<std::string>> out;
+    for (std::vector<std::string>& words : calls(text, "set"))
+      if (words.size() > 1) out["${" + words[0] + "}"] = {words.begin() + 1, words.end()};
+    out["${PROJECT_NAME}"] = {from.name};
+    return out;
+  }
+  /// Headers that the build makes of the package's parameter files and templates.
+  void take_made(const Package& from) {
     std::error_code error;
     if (!fs::exists(from.folder / "CMakeLists.txt", error)) return;
     const std::string text = read_file(from.folder / "CMakeLists.txt", kLargestSource);
-    constexpr std::string_view kCall = "generate_parameter_library(";
-    for (auto at = text.find(kCall); at != std::string::npos; at = text.find(kCall, at + 1)) {
-      const auto begin = at + kCall.size(), end = std::min(text.find(')', begin), text.size());
-      std::vector<std::string> words = split_words(text.substr(begin, end - begin));
+    const auto variables = variables_of(from, text);
+    for (std::vector<std::string>& words : calls(text, "generate_parameter_library")) {
       if (words.empty()) continue;
-      if (words[0].starts_with("${PROJECT_NAME}")) words[0] = from.name + words[0].substr(15);
+      for (const auto& [variable, values] : variables)
+        if (words[0].starts_with(variable) && !values.empty())
+          words[0] = values.front() + words[0].substr(variable.size());
       own.emplace(words[0] + ".hpp", "");
       own.emplace(from.name + "/" + words[0] + ".hpp", "");
+    }
+    for (const std::vector<std::string>& words : calls(text, "configure_file")) {
+      if (words.size() < 2) continue;
+      const std::string name = fs::path(words[1]).filename().string();
+      own.emplace(name, "");
+      own.emplace(from.name + "/" + name, "");
     }
   }
   /// Headers that the build makes of the package's interfaces.

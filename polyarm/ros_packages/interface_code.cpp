@@ -276,7 +276,8 @@ std::vector<std::string> header_names(const Interface& interface) {
   const std::string begin = interface.package + "/" + interface.kind + "/",
                     name = header_name(interface.name);
   return {begin + name + ".hpp", begin + "detail/" + name + "__struct.hpp",
-          begin + "detail/" + name + "__builder.hpp", begin + "detail/" + name + "__traits.hpp"};
+          begin + "detail/" + name + "__builder.hpp", begin + "detail/" + name + "__traits.hpp",
+          begin + name + ".h"};  // of C in ROS; editors put it into code of C++
 }
 
 void write_headers(const std::vector<Interface>& all, const fs::path& folder) {

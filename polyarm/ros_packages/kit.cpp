@@ -85,7 +85,11 @@ bool Kit::has_package(const std::string& name) const {
 }
 bool Kit::has_header(const std::string& name) const {
   std::error_code error;
-  return message_headers_.contains(name) || fs::is_regular_file(folder_ / "include" / name, error);
+  if (message_headers_.contains(name) || fs::is_regular_file(folder_ / "include" / name, error)) return true;
+  // ROS installs a package's headers below its name: "angles/angles/angles.h" is "angles/angles.h", too.
+  const auto slash = name.find('/');
+  return slash != std::string::npos && name.compare(slash + 1, slash + 1, name, 0, slash + 1) == 0 &&
+         has_header(name.substr(slash + 1));
 }
 
 const std::set<std::string>& Kit::words(const std::string& package) const {

@@ -18,6 +18,21 @@ add_library(polyarm_ros INTERFACE)
 target_include_directories(polyarm_ros SYSTEM INTERFACE ${POLYARM_ROS_KIT}/include ${POLYARM_ROS_GENERATED})
 # The headers use a few of Polyarm's. These come last, so that no package finds a file there that it means elsewhere.
 target_compile_options(polyarm_ros INTERFACE "SHELL:-idirafter \"${POLYARM_ROS_HEADERS}\"")
+# ROS installs the headers of a package below its name, and has both folders on the path: "angles/angles/angles.h" is
+# "angles/angles.h", too.
+set(polyarm_ros_nested_ ${CMAKE_BINARY_DIR}/nested)
+file(MAKE_DIRECTORY ${polyarm_ros_nested_})
+foreach(polyarm_ros_from_ ${POLYARM_ROS_KIT}/include ${POLYARM_ROS_GENERATED})
+  file(GLOB polyarm_ros_folders_ LIST_DIRECTORIES TRUE RELATIVE ${polyarm_ros_from_} ${polyarm_ros_from_}/*)
+  foreach(polyarm_ros_each_ ${polyarm_ros_folders_})
+    file(CREATE_LINK ${polyarm_ros_from_} ${polyarm_ros_nested_}/${polyarm_ros_each_} SYMBOLIC)
+  endforeach()
+endforeach()
+target_compile_options(polyarm_ros INTERFACE "SHELL:-idirafter \"${polyarm_ros_nested_}\"")
+# Headers that packages install from elsewhere than their folder `include` (install() in targets.cmake).
+set(POLYARM_ROS_STAGED ${CMAKE_BINARY_DIR}/staged)
+file(MAKE_DIRECTORY ${POLYARM_ROS_STAGED}/include)
+target_compile_options(polyarm_ros INTERFACE "SHELL:-idirafter \"${POLYARM_ROS_STAGED}/include\"")
 # Packages of ROS get Eigen's folder by way of others, and name it nowhere.
 find_package(Eigen3 QUIET NO_MODULE)
 if(TARGET Eigen3::Eigen)

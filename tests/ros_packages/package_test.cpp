@@ -230,10 +230,14 @@ TEST(Check, LeavesOtherSystemsAndReadsVariablesAndFoldersBeside) {
   place.write("shared/bus.hpp", "#pragma once\n");
   place.write("acme/CMakeLists.txt",
               "set(SOURCES src/drive.cpp)\nadd_library(drive SHARED ${SOURCES})\n"
-              "target_include_directories(drive PRIVATE ../shared)\n");
+              "target_include_directories(drive PRIVATE ../shared)\nset(NAME gains)\n"
+              "generate_parameter_library(${NAME}_parameters src/gains.yaml)\n"
+              "configure_file(config.h.in ${CMAKE_BINARY_DIR}/config.h)\n");
   place.write("acme/src/drive.cpp",
               "#include <bus.hpp>\n#include <std_msgs/msg/detail/bool__builder.hpp>\n#ifdef _WIN32\n"
-              "#include <windows.h>\n#endif\n#include <nowhere.h>\n");
+              "#include <windows.h>\n#endif\n#include <nowhere.h>\n#include <gains_parameters.hpp>\n"
+              "#include <acme/config.h>\n#include <std_msgs/msg/bool.h>\n#include <angles/angles/angles.h>\n"
+              "#include <std_msgs/std_msgs/msg/bool.hpp>\n");
   place.write("acme/src/demo.cpp", "#include <ros/ros.h>\n");
   Problems problems, found;
   const auto all = find_packages(place.path(), problems);

@@ -1,11 +1,20 @@
+#include <angles/angles/angles.h>
+#include <builtin_interfaces/msg/duration.h>
+
 #include <filters/filter_base.hpp>
 #include <hardware_interface/system_interface.hpp>
 #include <pluginlib/class_loader.hpp>
 #include <rclcpp/rclcpp.hpp>
+#include <std_msgs/std_msgs/msg/string.hpp>
 #include <tf2_geometry_msgs/tf2_geometry_msgs.hpp>
 
 #include "one_joint/bus.hpp"
+#include "one_joint_clock/rate.h"
 #include "one_joint_clock/ticks.hpp"
+#include "one_joint_clock/units/second.hpp"
+#if ONE_JOINT_TICKS != 12
+#error "a header that a package makes and installs is not the one that it made"
+#endif
 #if RCPPUTILS_VERSION_MAJOR < 2
 #error "a package that others need has no version"
 #endif

@@ -1,5 +1,7 @@
 #include "one_joint_clock/ticks.hpp"
 
+#include "rate.h"
+
 int one_joint_clock::ticks() {
-  return 12;
+  return ONE_JOINT_TICKS;
 }

@@ -1,0 +1,1 @@
+#include "one_joint_msgs/msg/note.hpp"
