@@ -38,11 +38,17 @@ TEST(ServiceClients, ReachAServiceOfTheSameModule) {
     ++called;
     EXPECT_FALSE(future.get()->success);
   });
+  client->async_send_request(request(true), [&](rclcpp::Client<SetBool>::SharedFutureWithRequest both) {
+    ++called;
+    EXPECT_TRUE(both.get().first->data && both.get().second->success);
+  });
+  rclcpp::Client<SetBool>::SharedFuture plain = client->async_send_request(request(true));
   auto removed = client->async_send_request(request(true));
   EXPECT_TRUE(client->remove_pending_request(removed));
   EXPECT_FALSE(client->remove_pending_request(removed));
   rclcpp::spin_some(driver);
-  EXPECT_EQ(called, 1);
+  EXPECT_EQ(called, 2);
+  EXPECT_TRUE(plain.get()->success);
   EXPECT_FALSE(shared.future.get()->success);
 }
 

@@ -66,7 +66,9 @@ class Client : public ClientBase, public std::enable_shared_from_this<Client<Typ
   using SharedPromise = std::shared_ptr<Promise>;
   using Future = std::future<SharedResponse>;
   using SharedFuture = std::shared_future<SharedResponse>;
+  using SharedFutureWithRequest = std::shared_future<std::pair<SharedRequest, SharedResponse>>;
   using CallbackType = std::function<void(SharedFuture)>;
+  using CallbackWithRequestType = std::function<void(SharedFutureWithRequest)>;
   /// Requests that wait for their response; the oldest is dropped.
   static constexpr std::size_t kMost = 64;
 
