@@ -47,6 +47,8 @@ Stage::Stage(CellInside& cell, const program::Program& program, const program::P
       with_paths_(with_paths) {
   for (const auto& robot : cell.setup.robots)
     arms_.push_back({robot.get(), robot->start, {}, nullptr, false, {}});
+  for (std::size_t i = 0; i < arms_.size(); ++i)
+    arms_[i].base = cell.setup.robots[i]->entry.base * cell.motions->base(i).tracked();
   for (const Arm& arm : arms_) report_where(arm);
 }
 
@@ -84,7 +86,7 @@ program::Handle Stage::start_move(const program::Move& move, const Location& whe
   const Asked asked{where, calls_at(where), move.called, interpreter_->handler()};
   try {
     if (move.of_base())
-      moves_->base_of(move, where);
+      drive(move, asked);
     else
       queue(prepare(move, where), asked);
   } catch (const Error& e) {
@@ -160,6 +162,8 @@ program::Travel Stage::travel(program::Handle) const {
 }
 
 data::Value Stage::here(const std::string& robot, const std::string& tool, const std::string& frame) const {
+  if (const auto base = moves_of_program().only_base(robot))
+    return moves_->place_in(arms_[*base].base, *base, frame);
   return moves_of_program().here_at(robot, tool, frame, [this](std::size_t arm) { return joints_now(arm); });
 }
 
@@ -193,10 +197,6 @@ data::List Stage::rows_of(const std::string& file) {
   return rows_in(cell_.setup.file.folder, file);
 }
 
-std::string Stage::next_line(const std::string& stream) {
-  throw Error("nobody-there", "check knows no lines of the stream '" + stream + "'");
-}
-
 bool Stage::supposes_met(const Location& where, bool has_else) {
   const bool met = has_else != (supposed_.until == where.text());
   if (!met) return false;
@@ -205,23 +205,6 @@ bool Stage::supposes_met(const Location& where, bool has_else) {
   for (Arm& arm : arms_)
     if (!arm.went.empty() && arm.went.back().asked.where.text() == where.text())
       arm.went.back().guessed = true;
-  return true;
-}
-
-void Stage::comply(const std::string& robot, const program::Compliance&) {
-  const std::string& name = moves_of_program().name_of(robot);
-  for (const auto& each : cell_.setup.robots) {
-    if (each->entry.name != name) continue;
-    ProgramMoves::check_compliance(each->entry);
-    if (!may_feel_force(*each, cell_.setup.robots))
-      throw Error(
-          "signal", "'" + name + "' has no force sensor, so it cannot yield to forces",
-          "write `force_sensor: true` at the robot in cell.yaml, for physics, or use hardware with a sensor");
-  }
-}
-
-bool Stage::next_part(const std::string& belt, const std::string& robot) {
-  moves_of_program().suppose_part(belt, robot);
   return true;
 }
 
@@ -249,7 +232,7 @@ void Stage::report_failure(const program::TaskStatus& status) {
   if (is_raised_in_every_run(*status.problem)) return out_.problems.add(*status.problem);
   if (std::find(own.begin(), own.end(), status.problem->code) != own.end()) return;
   Problem problem = *status.problem;
-  bool known = values_known({status.where, calls_at(status.where), {}});
+  bool known = of_cell_.contains(problem.what) || values_known({status.where, calls_at(status.where), {}});
   if (problem.code == "too-deep") known = known && certainty().conditions_known();
   if (supposed_.kept && !known) {
     if (supposed_.only_tried || problem.code != "zero") return;
@@ -362,23 +345,16 @@ void Stage::plan(Arm& arm) {
   }
 }
 
-/// Fixtures that do not move, the floor and the other robots: what is there in every run. Null where no move
-/// goes around obstacles.
+/// Null where no move goes around obstacles.
 std::shared_ptr<moves::Obstacles> Stage::obstacles(const Arm& arm, const std::vector<moves::Move>& moves) {
   if (std::none_of(moves.begin(), moves.end(), [](const moves::Move& move) { return move.around; }))
     return nullptr;
-  if (!fixed_) {
-    fixed_scene_ = cell_.setup.scene;
-    fixed_scene_.parts.clear();
-    std::erase_if(fixed_scene_.fixtures,
-                  [](const description::Fixture& fixture) { return !fixture.mover.empty(); });
-    fixed_ = std::make_shared<SharedBodies>(cell_.setup.robots, fixed_scene_);
-  }
   surroundings::Moment moment;
   for (const Arm& each : arms_) moment.robots.push_back({each.robot->entry.base, each.at});
   AroundOptions options;
   options.clearance = cell_.setup.file.clearance;
-  return obstacles_around(fixed_, std::move(moment), static_cast<std::size_t>(&arm - arms_.data()), options);
+  return obstacles_around(fixed_bodies(), std::move(moment), static_cast<std::size_t>(&arm - arms_.data()),
+                          options);
 }
 
 /// What a move sets on its way, by length or time, is set between its ends.

@@ -1,5 +1,6 @@
 #pragma once
 /// The simulated host of a program in a rehearsal. Private to the rehearsal's files.
+#include <functional>
 #include <map>
 #include <memory>
 #include <optional>
@@ -10,6 +11,7 @@
 
 #include "polyarm/cell/prompter.hpp"
 #include "polyarm/cell/rehearsal.hpp"
+#include "polyarm/machine/around.hpp"
 #include "polyarm/program/certainty.hpp"
 #include "polyarm/tasks/program_moves.hpp"
 #include "polyarm/vm/interpreter.hpp"
@@ -99,8 +101,8 @@ class Stage : public program::Host {
   data::Value pose_at(const data::JointState& joints, const std::string& robot, const std::string& tool,
                       const std::string& frame) const override;
   /// Nothing touches here: until conditions of force do not come.
-  std::array<double, 6> wrench(const std::string&) override { return {}; }
-  void zero_force(const std::string&) override {}
+  std::array<double, 6> wrench(const std::string& robot) override;
+  void zero_force(const std::string& robot) override { wrench(robot); }
   /// With an `else` it is usually met, without one not; the other case is another pass.
   bool supposes_met(const Location& where, bool has_else) override;
   /// A robot without a sensor cannot yield.
@@ -108,15 +110,15 @@ class Stage : public program::Host {
   void stiff(const std::string&) override {}
   /// A part is always there, where robots begin to follow it.
   bool next_part(const std::string& belt, const std::string& robot) override;
-  double waiting_parts(const std::string&) override { return 1; }
-  double missed_parts(const std::string&) override { return 0; }
-  void add_part(const std::string&, const Pose&) override {}
+  double waiting_parts(const std::string& belt) override;
+  double missed_parts(const std::string& belt) override;
+  void add_part(const std::string& belt, const Pose&) override { waiting_parts(belt); }
   data::List rows_of(const std::string& file) override;
   /// Nobody knows what a device would send: the walk ends where the program takes a line.
-  bool is_connected(const std::string&) override { return true; }
-  bool has_line(const std::string&) override { return true; }
+  bool is_connected(const std::string& stream) override;
+  bool has_line(const std::string& stream) override { return is_connected(stream); }
   std::string next_line(const std::string& stream) override;
-  void send_text(const std::string&, const std::string&) override {}
+  void send_text(const std::string& stream, const std::string&) override { is_connected(stream); }
   std::uint64_t seed() const override;
   program::Handle start_load(const std::string&, program::LoadForm, const Location& where) override;
   program::Progress poll_load(program::Handle) override { return program::Progress::done(); }
@@ -142,6 +144,7 @@ class Stage : public program::Host {
     bool lost;               ///< its position is unknown
     bool busy = false;       ///< the program has not waited for its latest move
     std::vector<Went> went;  ///< all moves made so far
+    Pose base = {};          ///< T_world_base of a base with wheels, after all moves made so far
   };
 
   ProgramMoves& moves_of_program() const;
@@ -158,12 +161,17 @@ class Stage : public program::Host {
     Location handler;
   };
 
+  void drive(const program::Move& move, const Asked& asked);
+  Pose root_of(std::size_t robot) const;
+  const std::shared_ptr<SharedBodies>& fixed_bodies();
   void queue(ProgramMoves::Prepared move, const Asked& asked);
   void plan(Arm& arm);
   std::shared_ptr<moves::Obstacles> obstacles(const Arm& arm, const std::vector<moves::Move>& moves);
   static std::vector<double> end_of(const Arm& arm, std::size_t count);
   void stay(Arm& arm, std::vector<double> at);
   void fail_as_supposed(const Location& where);
+  void require_belt(const std::string& belt);
+  void by_cell(const std::function<void()>& check);
   void raise_pending();
   bool report_passed_on(const Problem& problem);
   bool supposes() const {
@@ -197,6 +205,7 @@ class Stage : public program::Host {
   Supposition supposed_;
   bool has_failed_ = false;         ///< the supposed error was raised
   bool supposed_met_ = false;  ///< an `until` counted as met: the robot is not certainly where it is planned
+  std::set<std::string> of_cell_;   ///< texts of errors that follow from the files of the cell
   std::optional<Problem> pending_;  ///< an error of a move, to be raised in the program
   std::vector<Caught> caught_;
   mutable std::map<std::string, Question> questions_;

@@ -124,7 +124,8 @@ void parse_clause(TokenCursor& cursor, Statement& out) {
                       "write `movel [A, B, C], smooth`"};
   using Kinds = Clause::Kind;
   const bool of_base = clause.kind == Kinds::speed || clause.kind == Kinds::accel ||
-                       clause.kind == Kinds::robot || clause.kind == Kinds::duration;
+                       clause.kind == Kinds::robot || clause.kind == Kinds::duration ||
+                       clause.kind == Kinds::frame;
   const bool at_speed = out.moves_at_speed();
   const bool of_speed = clause.kind == Kinds::duration || clause.kind == Kinds::accel ||
                         clause.kind == Kinds::robot || clause.kind == Kinds::tool ||
@@ -137,7 +138,7 @@ void parse_clause(TokenCursor& cursor, Statement& out) {
   if (out.moves_base() && !of_base)
     throw SyntaxError{"bad-clause", clause.place,
                       std::string("'") + spelling(clause.kind) + "' belongs to a move of an arm",
-                      "drive and turn take speed, accel, duration and robot"};
+                      "drive and turn take speed, accel, duration and robot, a drive to a pose also frame"};
   if (clause.kind == Clause::Kind::at) {
     parse_at(cursor, clause);
   } else if (has_value(clause.kind)) {
@@ -160,13 +161,23 @@ void parse_clauses(TokenCursor& cursor, Statement& out) {
 
 }  // namespace
 
+namespace {
+/// How a statement that takes a name is written.
+std::string name_advice(std::string_view statement) {
+  if (statement == "(") return "the parameters of a function are names: `func NAME(A, B = 1)`";
+  if (statement == "for") return "write `for i in 1 .. 5`, or `for x in LIST`";
+  if (statement == "set" || statement == "let") return "write `" + std::string(statement) + " NAME = VALUE`";
+  return "write `" + std::string(statement) + " NAME`";
+}
+}  // namespace
+
 std::string parse_target(TokenCursor& cursor, const char* statement) {
   const Token& token = cursor.peek();
   refuse_bad(token);
   if (token.kind != TokenKind::name && token.kind != TokenKind::quoted)
     throw SyntaxError{"no-name", token.place,
                       std::string("a name was expected after '") + statement + "', here is " + shown(token),
-                      ""};
+                      name_advice(statement)};
   if (token.kind == TokenKind::name && is_reserved(token.text))
     throw SyntaxError{"reserved", token.place, shown(token) + " is a word of the language and no name", ""};
   std::string name = cursor.take().text;
@@ -186,7 +197,9 @@ void parse_move(const Line& line, TokenCursor& cursor, Statement& out) {
   out.name_place = cursor.peek().place;
   if (cursor.at_end() && out.moves_base())
     throw SyntaxError{"no-value", cursor.peek().place, "how far was expected after '" + line.word + "'",
-                      out.motion == Motion::turn ? "write `turn 90deg`, to the left" : "write `drive 500mm`"};
+                      out.motion == Motion::turn
+                          ? "write `turn 90deg`, to the left"
+                          : "write `drive 500mm`, or `drive pose(2m, 1m, rz = 90deg)`"};
   if (cursor.at_end() && at_speed)
     throw SyntaxError{"no-value", cursor.peek().place, "velocities were expected after '" + line.word + "'",
                       speed_move_advice(out.motion)};

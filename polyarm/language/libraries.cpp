@@ -118,7 +118,30 @@ func weave_to(goal, wide = 3mm, pitch = 6mm, plane = 0deg, pace = 20mm/s)
 end
 )";
 
-constexpr std::array kLibraries = {Library{"polyarm:search", kSearch}};
+/// Docking of bases with wheels (docs/moves.md).
+constexpr std::string_view kBase =
+    R"(# In front of a dock that two places at its face tell, its left and its right end as the base sees them: `away` from the
+# line between them, before its middle, with the front of the base towards it.
+func dock_pose(left, right, away = 500mm)
+  let facing = atan2(right.x - left.x, left.y - right.y)
+  let middle = interpolate(left, right, 50%)
+  return middle with x = middle.x - away * cos(facing) with y = middle.y - away * sin(facing) with rx = 0deg with ry = 0deg with rz = facing
+end
+
+# To that pose around obstacles, and then straight ahead until `gap` is left.
+func dock_at(left, right, away = 500mm, gap = 100mm, pace = 50mm/s)
+  drive dock_pose(left, right, away)
+  drive away - gap, speed pace
+end
+
+# Back from the dock, and then to a pose.
+func undock_to(goal, away = 500mm, pace = 100mm/s)
+  drive -away, speed pace
+  drive goal
+end
+)";
+
+constexpr std::array kLibraries = {Library{"polyarm:base", kBase}, Library{"polyarm:search", kSearch}};
 }  // namespace
 
 std::optional<std::string_view> library_text(std::string_view name) {

@@ -79,7 +79,7 @@ void add_force_functions(std::vector<Function>& out) {
                           {"most", W::number, 0.0},
                           {"reach", W::length, 0.02}},
                          Kind::boolean, {}, Live::comply);
-  comply.open = comply.waits = true;
+  comply.waits = true;
   measured("stiff", "stiff()",
            "the robot stays where the tool is and yields no more; waits until it has arrived", Kind::boolean,
            {}, Live::stiff, true);

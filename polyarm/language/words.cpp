@@ -74,9 +74,10 @@ std::vector<Word> motion_words() {
        "speedl {z = -20mm/s}, duration 3s, until Contact\nlog(\"down\")                              "
        "# expect: down",
        ""},
-      {"drive", kStatement, "drive D {clause}",
-       "A base with wheels drives this distance ahead, or back, and stops.",
-       "drive 500mm, speed 100mm/s\ndrive -500mm", ""},
+      {"drive", kStatement, "drive D {clause}, drive P {clause}",
+       "A base with wheels drives this distance ahead, or back, and stops; or it goes to a pose, around "
+       "obstacles.",
+       "# given Dock: point 2 1 0\ndrive 500mm, speed 100mm/s\ndrive -500mm\ndrive Dock, speed 0.2m/s", ""},
       {"turn", kStatement, "turn A {clause}", "A base with wheels turns by this angle to the left and stops.",
        "turn 90deg", ""},
       {"use", kStatement, "use clause, clause, …",
@@ -145,7 +146,8 @@ std::vector<Word> motion_words() {
        "movel [P, Q], smooth                     # expect move: line P Q smooth exact",
        ""},
       {"touch", kClause, "touch",
-       "The tool is meant to touch something in this move; a contact of any other part still stops the robot.",
+       "The tool is meant to touch something in this move; a contact of any other part still stops the "
+       "robot.",
        "# given P: point 0.4 0 0.1\nmovel P, speed 10mm/s, touch, until force() > 20N\n"
        "log(met(), travelled() < 1m)             # expect: True True",
        ""},

@@ -4,6 +4,7 @@
 #include <memory>
 #include <mutex>
 
+#include "polyarm/moves/base_motion.hpp"
 #include "polyarm/moves/obstacles.hpp"
 #include "polyarm/setup/bodies.hpp"
 #include "polyarm/surroundings/bodies.hpp"
@@ -35,5 +36,18 @@ struct AroundOptions {
 std::shared_ptr<moves::Obstacles> obstacles_around(std::shared_ptr<SharedBodies> bodies,
                                                    surroundings::Moment moment, std::size_t own,
                                                    AroundOptions options);
+
+/// A way of a base to a place.
+struct BaseGoal {
+  std::size_t robot = 0;
+  Pose T_root_base;  ///< the frame that its wheels move, in the root link
+  Pose goal;         ///< T_world_base
+  AroundOptions options;
+};
+
+/// The search for a way from where the base is at this moment. It throws Error: start-in-contact,
+/// goal-in-contact, no-way, out-of-time, and as SharedBodies.
+moves::BaseSurroundings::Search base_search(std::shared_ptr<SharedBodies> bodies, surroundings::Moment moment,
+                                            BaseGoal goal);
 
 }  // namespace polyarm::cell

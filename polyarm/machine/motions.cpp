@@ -41,6 +41,7 @@ void Motions::build(Worker& planner) {
     bases_.push_back(wheels ? std::make_unique<moves::BaseMotion>(*wheels, seconds(machine_.period()))
                             : nullptr);
     places_.emplace_back(*robot, machine_.table(), wheels);
+    if (bases_.back()) look_around(bases_.size() - 1, planner);
     const auto command = robot->joints.empty()
                              ? std::nullopt
                              : machine_.table().find_command(robot->joints.front().name + "/position");
@@ -199,7 +200,7 @@ void Motions::moment(surroundings::Moment& out) const {
     out.movers.push_back(mover < 0 ? 0 : snapshot.states[static_cast<std::size_t>(mover)]);
 }
 
-std::shared_ptr<moves::Obstacles> Motions::obstacles(std::size_t robot, surroundings::Moment moment) const {
+AroundOptions Motions::around_options() const {
   AroundOptions options;
   options.clearance = setup_.file.clearance;
   if (!setup_.options.lock_step) {
@@ -210,7 +211,22 @@ std::shared_ptr<moves::Obstacles> Motions::obstacles(std::size_t robot, surround
       return realtime::monotonic_now() > *end;
     };
   }
-  return obstacles_around(bodies_, std::move(moment), robot, std::move(options));
+  return options;
+}
+
+std::shared_ptr<moves::Obstacles> Motions::obstacles(std::size_t robot, surroundings::Moment moment) const {
+  return obstacles_around(bodies_, std::move(moment), robot, around_options());
+}
+
+/// Lets a base find ways to places.
+void Motions::look_around(std::size_t robot, Worker& planner) {
+  moves::BaseSurroundings around;
+  around.T_world_odometry = [this, robot] { return places_[robot].odometry_frame(machine_.snapshot()); };
+  around.post = [&planner](std::function<void()> job) { planner.post(std::move(job)); };
+  around.look = [this, robot](const Pose& goal) {
+    return base_search(bodies_, moment(), {robot, places_[robot].tracked(), goal, around_options()});
+  };
+  bases_[robot]->set_surroundings(std::move(around));
 }
 
 std::span<const Vec3> Motions::tcps() const {

@@ -115,6 +115,8 @@ class Motions {
   const ProfileEntry& limits() const;
   void choose_profile();
   void note_forward(std::size_t robot);
+  AroundOptions around_options() const;
+  void look_around(std::size_t robot, Worker& planner);
   /// Sets where the next motion of a joint begins, for each joint with a finite value in `values`. `index`
   /// selects the joint's index in `values`.
   void set_planned(std::size_t robot, int JointPlaces::Place::*index, std::span<const double> values);

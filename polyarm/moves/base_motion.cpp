@@ -25,6 +25,18 @@ constexpr double kBack = 2, kSharpest = 0.5;                     // 1/m, of stee
 constexpr double kTimeout = 3;                                  // s after the planned end before the move
                                                                  // fails
 
+constexpr double kSideways = 3, kMostSideways = 0.3;  // 1/m, of ways: rad towards the line per
+                                                      // metre beside it, and their maximum
+
+Vec3 ahead_of(const Pose& pose) {
+  return pose.rotation * Vec3{1, 0, 0};
+}
+
+double heading_of(const Pose& pose) {
+  const Vec3 ahead = ahead_of(pose);
+  return std::atan2(ahead.y, ahead.x);
+}
+
 double stated(double value, double fallback) {
   return std::isfinite(value) && value > 0 ? value : fallback;
 }
@@ -35,30 +47,124 @@ BaseMotion::BaseMotion(controllers::BaseController& controller, double period)
       odometry_(controller.odometry_output()),
       gain_(std::min(kGain, kOfPeriod / std::max(period, 1e-6))) {}
 
+void BaseMotion::check_way() const {
+  if (!controller_.turns_on_the_spot())
+    throw Error("bad-move", "this base steers: it has no ways to a pose, because it cannot turn on the spot",
+                "drive it by lengths, or send twists to its controller");
+}
+
 std::uint64_t BaseMotion::start(const BaseMove& move) {
   if (active_) throw Error("busy", "the base is moving already", "one move of a base at a time");
   if (!odometry_) throw Error("no-odometry", "the base's controller publishes no odometry");
+  if (move.to) check_way();
   if (move.turns && !controller_.turns_on_the_spot())
     throw Error("bad-move", "this base steers: it cannot turn on the spot",
                 "drive it, or send twists to its controller");
-  const controllers::SpeedLimits& own =
-      move.turns ? controller_.angular_limits() : controller_.linear_limits();
-  double speed = stated(own.max_velocity, move.turns ? kAnyTurning : kAnySpeed);
-  if (move.amount < 0 && !move.turns) speed = stated(-own.min_velocity, speed);
-  const double most = stated(own.max_acceleration, speed / kToFullSpeed);
-  double acceleration = std::min(most, stated(-own.max_deceleration, most));
-  const double jerk = stated(own.max_jerk, acceleration / kToFullAcceleration);
-  speed *= move.share;
-  if (move.speed > 0) speed = std::min(speed, move.speed);
-  if (move.acceleration > 0) acceleration = std::min(acceleration, move.acceleration);
-  limits_ = MotionLimits::symmetric(speed, acceleration, jerk);
   move_ = move;
   active_ = true;
-  planned_ = seen_ = false;
+  planned_ = seen_ = leg_begun_ = false;
   late_ = unheard_ = 0;
   last_ = -1;
   problem_.reset();
+  job_.reset();
+  way_.reset();
+  if (!move.to) begin(move.turns, move.amount);
   return ++last_id_;
+}
+
+/// Sets the limits of a turn or a line.
+void BaseMotion::begin(bool turns, double amount) {
+  turns_ = turns, amount_ = amount;
+  const controllers::SpeedLimits& own = turns ? controller_.angular_limits() : controller_.linear_limits();
+  double speed = stated(own.max_velocity, turns ? kAnyTurning : kAnySpeed);
+  if (amount < 0 && !turns) speed = stated(-own.min_velocity, speed);
+  const double most = stated(own.max_acceleration, speed / kToFullSpeed);
+  double acceleration = std::min(most, stated(-own.max_deceleration, most));
+  const double jerk = stated(own.max_jerk, acceleration / kToFullAcceleration);
+  const bool of_way = move_.to && turns;
+  const double asked_speed = of_way ? move_.turn_speed : move_.speed;
+  const double asked_acceleration = of_way ? move_.turn_acceleration : move_.acceleration;
+  speed *= move_.share;
+  if (asked_speed > 0) speed = std::min(speed, asked_speed);
+  if (asked_acceleration > 0) acceleration = std::min(acceleration, asked_acceleration);
+  limits_ = MotionLimits::symmetric(speed, acceleration, jerk);
+  planned_ = false;
+  late_ = 0;
+}
+
+Pose BaseMotion::pose() {
+  if (!odometry_) return around_.T_world_odometry();
+  odometry_->fetch();
+  const controllers::Output::Sample& sample = odometry_->value();
+  if (sample.time == 0 || sample.values.size() < 7) return around_.T_world_odometry();  // it begins at zero
+  const std::vector<double>& v = sample.values;
+  return around_.T_world_odometry() * Pose{{v[0], v[1], v[2]}, {v[3], v[4], v[5], v[6]}};
+}
+
+/// False while the base has no turn or line to do.
+bool BaseMotion::has_leg() {
+  if (!move_.to) return true;
+  if (!way_ && !take_way()) return false;
+  if (!leg_begun_ && controller_.standing()) begin_leg();
+  return active_ && leg_begun_;
+}
+
+void BaseMotion::begin_search() {
+  job_ = std::make_shared<Job>();
+  around_.post([job = job_, search = around_.look(*move_.to)] {
+    try {
+      job->legs = search();
+    } catch (const Error& e) {
+      job->failure = e.problems().front();
+    } catch (const std::exception& e) {
+      job->failure = Problem{"no-way", {}, std::string("the way could not be planned: ") + e.what(), {}};
+    }
+    job->done.store(true, std::memory_order_release);
+  });
+}
+
+/// Begins the search where the base stands; true once the way is known.
+bool BaseMotion::take_way() {
+  if (!job_ && controller_.standing()) begin_search();
+  if (!job_ || !job_->done.load(std::memory_order_acquire)) return false;
+  const std::shared_ptr<Job> job = std::exchange(job_, nullptr);
+  if (job->failure) {
+    problem_ = job->failure;
+    end(State::failed);
+    return false;
+  }
+  way_ = std::move(job->legs);
+  // The heading is put right at the end.
+  way_->push_back({true, {}, {}, heading_of(*move_.to)});
+  leg_ = 0, leg_begun_ = false;
+  return true;
+}
+
+/// The next leg, from where the base stands. A turn that is smaller than what counts as arrived is left out.
+void BaseMotion::begin_leg() {
+  const Pose T_odometry_world = inverse(around_.T_world_odometry());
+  for (; leg_ < way_->size(); ++leg_) {
+    const BaseLeg& leg = (*way_)[leg_];
+    const double heading = leg.heading + heading_of(T_odometry_world);
+    const double turn = std::remainder(heading - place_.heading, 2 * std::numbers::pi);
+    if (leg.turns && std::abs(turn) < kHereTurned) continue;
+    const Vec3 from = T_odometry_world * leg.from, to = T_odometry_world * leg.to;
+    begin_ = leg.turns ? place_ : Place{from.x, from.y, place_.heading + turn};
+    const double length = std::hypot(to.x - from.x, to.y - from.y);
+    begin(leg.turns, leg.turns ? turn : leg.backwards ? -length : length);
+    leg_begun_ = true;
+    return;
+  }
+  end(State::done);
+}
+
+/// The present turn or line has ended. True if the move has another leg.
+bool BaseMotion::go_on() {
+  if (!move_.to) return false;
+  ++leg_;
+  leg_begun_ = planned_ = false;
+  send(0, 0);
+  return true;
 }
 
 /// Reads the odometry; headings continue beyond half a turn.
@@ -83,22 +189,28 @@ bool BaseMotion::is_silent(double dt) {
 }
 
 double BaseMotion::covered() const {
-  if (move_.turns) return place_.heading - begin_.heading;
+  if (turns_) return place_.heading - begin_.heading;
   return (place_.x - begin_.x) * std::cos(begin_.heading) + (place_.y - begin_.y) * std::sin(begin_.heading);
+}
+
+/// How far the base is to the left of its line.
+double BaseMotion::beside() const {
+  return (place_.y - begin_.y) * std::cos(begin_.heading) - (place_.x - begin_.x) * std::sin(begin_.heading);
 }
 
 std::optional<BaseMotion::Left> BaseMotion::left() const {
   if (!active_) return std::nullopt;
-  const double sign = move_.amount < 0 ? -1 : 1;
-  const double rest = std::max(0.0, sign * (move_.amount - (planned_ ? covered() : 0)));
-  return move_.turns ? Left{0, rest} : Left{rest, 0};
+  if (move_.to && !leg_begun_) return Left{};
+  const double sign = amount_ < 0 ? -1 : 1;
+  const double rest = std::max(0.0, sign * (amount_ - (planned_ ? covered() : 0)));
+  return turns_ ? Left{0, rest} : Left{rest, 0};
 }
 
 bool BaseMotion::plan(double from) {
-  const std::array<MotionState, 1> start{{{from, 0, 0}}}, target{{{move_.amount, 0, 0}}};
+  const std::array<MotionState, 1> start{{{from, 0, 0}}}, target{{{amount_, 0, 0}}};
   const std::array<MotionLimits, 1> limits{limits_};
   trajectory::MotionOptions options;
-  if (from == 0) options.minimum_duration = move_.duration;
+  if (from == 0 && !move_.to) options.minimum_duration = move_.duration;
   time_ = 0, pace_ = 1;
   return motion_.plan(start, target, limits, options) == trajectory::MotionStatus::ok;
 }
@@ -113,6 +225,7 @@ void BaseMotion::send(double linear, double angular) {
 void BaseMotion::end(State outcome) {
   active_ = false;
   outcome_ = outcome;
+  job_.reset();
   send(0, 0);
 }
 
@@ -135,7 +248,7 @@ void BaseMotion::tick(Nanoseconds now, bool running, double share) {
     outcome_ = State::failed;
     return;
   }
-  if (!seen) return;
+  if (!seen || !has_leg()) return;
   const double done = covered();
   if (!planned_) {
     if (!controller_.standing()) return;
@@ -151,24 +264,36 @@ void BaseMotion::tick(Nanoseconds now, bool running, double share) {
   const double speed = std::clamp(asked, -most, most);
   pace_ = speed == asked ? 1 : most / std::abs(asked);  // the plan's time runs slower while the base lags
                                                         // behind at full speed
-  if (time_ >= motion_.duration()) {
-    const double off = move_.amount - done;
-    late_ += dt * rate;
-    if (std::abs(off) < (move_.turns ? kHereTurned : kHere)) return end(State::done);
-    if (late_ > kTimeout) {
-      problem_ = Problem{
-          "base-short",
-          {},
-          move_.turns ? fmt::format("the base has turned by {:.1f} of {:.1f} deg and does not get further",
-                                    done * 180 / std::numbers::pi, move_.amount * 180 / std::numbers::pi)
-                      : fmt::format("the base has driven {:.3f} of {:.3f} m and does not get further", done,
-                                    move_.amount),
-          "is it blocked, or do its wheels slip?"};
-      return end(State::failed);
-    }
+  if (time_ >= motion_.duration() && late(amount_ - done, dt * rate)) return;
+  send_speed(speed);
+}
+
+/// After the planned end: true if the move, or its leg, has ended.
+bool BaseMotion::late(double off, double dt) {
+  late_ += dt;
+  if (std::abs(off) < (turns_ ? kHereTurned : kHere)) {
+    if (!go_on()) end(State::done);
+    return true;
   }
-  if (move_.turns) return send(0, speed);
-  const double astray = begin_.heading - place_.heading;
+  if (late_ <= kTimeout) return false;
+  const double done = amount_ - off;
+  problem_ = Problem{
+      "base-short",
+      {},
+      turns_ ? fmt::format("the base has turned by {:.1f} of {:.1f} deg and does not get further",
+                           done * 180 / std::numbers::pi, amount_ * 180 / std::numbers::pi)
+             : fmt::format("the base has driven {:.3f} of {:.3f} m and does not get further", done, amount_),
+      "is it blocked, or do its wheels slip?"};
+  end(State::failed);
+  return true;
+}
+
+/// Along the turn or the line. On a way the base also steers back to its line.
+void BaseMotion::send_speed(double speed) {
+  if (turns_) return send(0, speed);
+  double astray = begin_.heading - place_.heading;
+  if (move_.to)
+    astray -= std::clamp(kSideways * beside(), -kMostSideways, kMostSideways) * (amount_ < 0 ? -1 : 1);
   // A steered base turns in proportion to its speed: the correction is a curvature.
   const double turn = stated(controller_.angular_limits().max_velocity, kAnyTurning) / 4;
   send(speed, controller_.turns_on_the_spot()

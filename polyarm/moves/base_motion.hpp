@@ -1,10 +1,16 @@
 #pragma once
-/// Moves of a wheeled base, one at a time: straight by a distance, or on the spot by an angle. Metres,
-/// radians, seconds.
+/// Moves of a wheeled base, one at a time: straight by a distance, on the spot by an angle, or to a place
+/// around obstacles. Metres, radians, seconds.
+#include <atomic>
 #include <cstdint>
+#include <functional>
+#include <memory>
 #include <optional>
+#include <utility>
+#include <vector>
 
 #include "polyarm/base/error.hpp"
+#include "polyarm/base/pose.hpp"
 #include "polyarm/base/time.hpp"
 #include "polyarm/trajectory/state_to_state.hpp"
 #include "polyarm/wheels/base_controller.hpp"
@@ -18,6 +24,29 @@ struct BaseMove {
   double speed = 0;         ///< m/s or rad/s, maximum; 0: the limit
   double acceleration = 0;  ///< m/s² or rad/s², maximum; 0: the limit
   double duration = 0;      ///< s, minimum
+  /// T_world_goal of the frame that the odometry tracks: the base goes there around obstacles, and `turns`,
+  /// `amount` and `duration` do not count. Only the position in the plane and the heading count.
+  std::optional<Pose> to = {};
+  double turn_speed = 0,
+         turn_acceleration = 0;  ///< of turns on this way: rad/s and rad/s², maximum; 0: the limit
+};
+
+/// A piece of a way, in the world: a turn on the spot to the heading, or a straight line.
+struct BaseLeg {
+  bool turns = false;
+  Vec3 from, to;
+  double heading = 0;
+  bool backwards = false;  ///< of a line
+};
+
+/// What a base knows of the cell. All but the search itself is called on the cell thread.
+struct BaseSurroundings {
+  std::function<Pose()> T_world_odometry;
+  /// Looks at what is around now. The returned search runs on the planning thread; it throws Error if there
+  /// is no way.
+  using Search = std::function<std::vector<BaseLeg>()>;
+  std::function<Search(const Pose& goal)> look;
+  std::function<void(std::function<void()>)> post;  ///< runs a job, immediately or on another thread
 };
 
 /// A base that steers only drives straight.
@@ -32,9 +61,15 @@ class BaseMotion {
   /// The controller must outlive this object. `period`: of its updates, s.
   BaseMotion(controllers::BaseController& controller, double period);
   const controllers::BaseController& controller() const { return controller_; }
+  /// Without it there are no moves to a place.
+  void set_surroundings(BaseSurroundings around) { around_ = std::move(around); }
+  /// T_world_base of the frame that the odometry tracks, after set_surroundings().
+  Pose pose();
 
+  /// Throws Error("bad-move") if the base has no moves to a place: it steers.
+  void check_way() const;
   /// Returns its id, which counts up from 1. Throws Error("busy") during another move,
-  /// Error("no-odometry"), and Error("bad-move") for a turn of a base that steers.
+  /// Error("no-odometry"), and Error("bad-move") for a turn of a base that steers, or its move to a place.
   std::uint64_t start(const BaseMove& move);
   /// Call it in every tick. `running`: the loop is neither held nor in a fault. `share`: fraction of the
   /// planned speed, [0, 1].
@@ -43,7 +78,8 @@ class BaseMotion {
   void drop();
 
   bool idle() const { return !active_; }
-  /// What is left of the present move: m straight, or rad on the spot, not negative. No move: nothing.
+  /// What is left of the present move, or of the present leg of a way: m straight, or rad on the spot, not
+  /// negative. No move: nothing.
   struct Left {
     double way = 0, turn = 0;
   };
@@ -57,20 +93,41 @@ class BaseMotion {
   struct Place {
     double x = 0, y = 0, heading = 0;  ///< heading unbounded
   };
+  struct Job {
+    std::vector<BaseLeg> legs;
+    std::optional<Problem> failure;
+    std::atomic<bool> done{false};
+  };
   bool look();
   bool is_silent(double dt);
   double covered() const;
+  double beside() const;
   bool plan(double from);
+  void begin(bool turns, double amount);
+  bool has_leg();
+  void begin_search();
+  bool take_way();
+  void begin_leg();
+  bool go_on();
+  bool late(double off, double dt);
+  void send_speed(double speed);
   void send(double linear, double angular);
   void end(State outcome);
 
   controllers::BaseController& controller_;
   controllers::Output* odometry_ = nullptr;
   double gain_;  // 1/s: feedback gain for the distance to the plan
+  BaseSurroundings around_;
   BaseMove move_;
+  std::shared_ptr<Job> job_;                 // the search for a way; null: none
+  std::optional<std::vector<BaseLeg>> way_;  // of a move to a place, once it is known
+  std::size_t leg_ = 0;                      // the present one
+  bool leg_begun_ = false;
+  bool turns_ = false;  // what it does now: a turn, else a straight line
+  double amount_ = 0;   // of it: rad or m
   trajectory::MotionLimits limits_;
   trajectory::StateToState motion_;
-  Place place_, begin_;
+  Place place_, begin_;  // begin_: where the turn or the line begins
   bool seen_ = false, active_ = false, planned_ = false;
   double time_ = 0, late_ = 0;  // s: time on the plan; time since its end
   double pace_ = 1;             // speed of the plan's time

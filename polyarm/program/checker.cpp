@@ -381,13 +381,24 @@ class Checker {
     const Expression& amount = *s.arguments.front();
     const Type type = infer(amount);
     const Dimension wanted = turns ? Dimension::angle : Dimension::length;
-    if (surely_other(type, number_of(wanted)))
+    const bool to_pose = !turns && (!type.kind || *type.kind == Kind::pose);
+    if (!to_pose && surely_other(type, number_of(wanted)))
       error("bad-type", amount.place,
-            std::string("'") + (turns ? "turn" : "drive") + "' takes " + (turns ? "an angle" : "a length") +
-                ", here is " + described(type),
+            std::string("'") + (turns ? "turn" : "drive") + "' takes " +
+                (turns ? "an angle" : "a length or a pose") + ", here is " + described(type),
             bare_number(amount) ? unit_advice(wanted, bare_number(amount))
             : turns             ? "write `turn 90deg`, to the left"
-                                : "write `drive 500mm`");
+                                : "write `drive 500mm`, or `drive pose(2m, 1m, rz = 90deg)`");
+    for (const Clause& clause : s.clauses) {
+      const bool amounts = type.kind && *type.kind == Kind::number,
+                 goes = type.kind && *type.kind == Kind::pose;
+      if (clause.kind == Clause::Kind::frame && (turns || amounts))
+        error("bad-clause", clause.place, "'frame' belongs to a drive to a pose",
+              "a length and an angle count from where the base stands");
+      if (clause.kind == Clause::Kind::duration && goes)
+        error("bad-clause", clause.place, "'duration' belongs to a drive by a length or a turn",
+              "state a speed: `speed 0.2m/s`");
+    }
     check_clauses(s);
   }
 

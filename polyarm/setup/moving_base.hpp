@@ -39,6 +39,8 @@ class MovingBase {
   Pose pose(const control::Snapshot& snapshot) const;
   /// The pose from the wheels' odometry, in the odometry frame.
   Pose odometry() const { return odometry_ * inverse(tracked_); }
+  /// The frame that the odometry tracks, in the root link.
+  const Pose& tracked() const { return tracked_; }
   /// T_world_odometry: the start pose of the tracked frame; if physics provides the pose, the transform that
   /// makes both agree.
   Pose odometry_frame(const control::Snapshot& snapshot) const;

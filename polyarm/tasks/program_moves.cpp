@@ -271,45 +271,6 @@ void ProgramMoves::check_forward(const program::Move& move, const std::vector<mo
     no("follows no belt", "stop the belt and use a point, or set `motion: stream`");
 }
 
-std::size_t ProgramMoves::base_of(const program::Move& move, const Location& where) const {
-  const std::size_t index = robot_of(move.robot, where);
-  if (!arms_[index].robot.base)
-    throw Error(Problem{"no-base", where,
-                        "no controller of wheels drives '" + arms_[index].robot.robot->entry.name + "'",
-                        "drive and turn move a base with wheels; an arm has movej, movel and their like"});
-  return index;
-}
-
-program::Handle ProgramMoves::start_base(const program::Move& move, const Location& where) {
-  const std::size_t index = base_of(move, where);
-  moves::BaseMotion* const base = arms_[index].robot.base;
-  moves::BaseMove out;
-  out.turns = move.kind == program::Move::Kind::turn;
-  out.amount = move.targets.front().value.as_number()->value;
-  const auto pace = [&](const std::optional<data::Number>& said, Dimension own, double& share, double& most,
-                        const char* what) {
-    if (!said) return;
-    if (said->dimension == Dimension::none) {
-      share = said->value;
-    } else if (said->dimension == own) {
-      most = said->value;
-    } else {
-      throw Error(Problem{"bad-move", where, std::string(what) + " does not fit this move",
-                          out.turns ? "a turn has 30deg/s and 90deg/s2" : "a drive has 0.2m/s and 0.5m/s2"});
-    }
-  };
-  double whole = 1;
-  pace(move.speed, out.turns ? Dimension::angular_speed : Dimension::speed, out.share, out.speed,
-       "the speed");
-  pace(move.accel, out.turns ? Dimension::angular_acceleration : Dimension::acceleration, whole,
-       out.acceleration, "the acceleration");
-  if (move.duration) out.duration = move.duration->value;
-  const std::uint64_t id = base->start(out);
-  forget_ended();
-  asked_[++last_handle_] = {{index, id, id, true}};
-  return last_handle_;
-}
-
 program::Handle ProgramMoves::start(const program::Move& asked, const Location& where) {
   if (asked.of_base()) return start_base(asked, where);
   const std::size_t index = arm_of(asked.robot, where);
@@ -501,6 +462,7 @@ void ProgramMoves::end(program::Handle handle) {
 
 data::Value ProgramMoves::here(const std::string& robot, const std::string& tool,
                                const std::string& frame) const {
+  if (const auto base = only_base(robot)) return place_in(arms_[*base].robot.base->pose(), *base, frame);
   return here_at(
       robot, tool, frame, [this](std::size_t arm) { return present_joints(arm); },
       is_on_its_way(arm_of(robot, {})));

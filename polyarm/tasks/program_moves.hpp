@@ -110,6 +110,11 @@ class ProgramMoves {
   void set_busy(std::function<bool(std::size_t)> busy) { busy_ = std::move(busy); }
   /// The index of the robot whose base a `drive` or `turn` moves. Throws Error if no controller drives it.
   std::size_t base_of(const program::Move& move, const Location& where) const;
+  /// T_world_goal of a `drive` to a pose; empty: it drives by a length, or turns.
+  std::optional<Pose> base_goal(const program::Move& move, const Location& where) const;
+  std::optional<std::size_t> only_base(const std::string& robot) const;
+  /// here() of a base that stands at `place` in the world.
+  data::Value place_in(const Pose& place, std::size_t base, const std::string& frame) const;
   /// here(), here_joints() and joints_at() for the present joints that `joints_of` returns.
   using JointsOf = std::function<std::vector<double>(std::size_t arm)>;
   /// `shifted`: they contain what a belt has added to the planned paths.

@@ -31,11 +31,12 @@ struct Progress {
 
 /// A move as a program requests it; unset values mean the cell's defaults.
 struct Move {
-  /// drive, turn: of a base, by an amount.
+  /// drive, turn: of a base, by an amount; drive: also to a pose.
   enum class Kind { joint, line, arc, drive, turn };
   bool of_base() const { return kind == Kind::drive || kind == Kind::turn; }
   struct Target {
-    /// A pose or a joint state; for a base a length or an angle. A single joint move or line may have a
+    /// A pose or a joint state; for a base a length, an angle or
+    /// a pose. A single joint move or line may have a
     /// record: an increment from the present position, of joints by name, or for a line of x, y, z, rx, ry,
     /// rz along the frame's axes.
     data::Value value;

@@ -192,11 +192,13 @@ Move Interpreter::requested_move(Task& task, const Step& step, std::size_t first
     const bool turns = s.motion == Motion::turn;
     const Slot& amount = task.stack[first++];
     const Number* number = amount.value.as_number();
-    if (!number || number->dimension != (turns ? Dimension::angle : Dimension::length))
+    const bool to_pose = !turns && amount.value.as_point();
+    if (!to_pose && (!number || number->dimension != (turns ? Dimension::angle : Dimension::length)))
       throw Refused{s.arguments.front()->place,
                     std::string("'") + (turns ? "turn" : "drive") + "' takes " +
-                        (turns ? "an angle" : "a length") + ", here is " + described(amount.value),
-                    turns ? "write `turn 90deg`, to the left" : "write `drive 500mm`"};
+                        (turns ? "an angle" : "a length or a pose") + ", here is " + described(amount.value),
+                    turns ? "write `turn 90deg`, to the left"
+                          : "write `drive 500mm`, or `drive pose(2m, 1m, rz = 90deg)`"};
     out.kind = turns ? Move::Kind::turn : Move::Kind::drive;
     out.targets.push_back({amount.value, (turns ? "turn " : "drive ") + spelled(*s.arguments.front())});
   }

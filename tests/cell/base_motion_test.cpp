@@ -164,6 +164,7 @@ TEST_F(BaseMotionTest, WhatDoesNotFitIsRefusedWithItsLine) {
   EXPECT_NE(told("drive 90deg\n").find("go.script:1:7: error: 'drive' takes a length"), std::string::npos)
       << told("drive 90deg\n");
   EXPECT_NE(told("turn 1m\n").find("takes an angle"), std::string::npos);
+  EXPECT_NE(told("drive 90deg\n").find("or a pose"), std::string::npos);
   EXPECT_NE(told("drive 1m, blend 5mm\n").find("belongs to a move of an arm"), std::string::npos);
   EXPECT_NE(told("drive\n").find("drive 500mm"), std::string::npos);
   start("drive 0.1m, speed 30deg/s\n");

@@ -55,6 +55,35 @@ TEST(Rehearsal, GoodWaysAreGood) {
   EXPECT_TRUE(found.result.reached.file.empty());
 }
 
+const std::string kWithoutSensor =
+    "  arm: {model: " + std::string(POLYARM_SOURCE_DIR) + "/examples/so101/so101.urdf, hardware: mock}\n";
+
+TEST(Rehearsal, ARobotThatCannotYieldIsAnErrorWhateverTheValues) {
+  const std::string program = "let push = ask(\"How hard?\", 10N)\ncomply(\"z\", force = push)\nstiff()\n";
+  const Found stiff = checked(program, "", kWithoutSensor);
+  EXPECT_EQ(stiff.texts, "E2 signal 'arm' has no force sensor, so it cannot yield to forces\n");
+  const Found forward = checked(
+      program, "", "  arm: {model: " + test::kSixAxes + ", hardware: mock, parameters: {motion: forward}}\n");
+  EXPECT_NE(forward.texts.find("E2 forward-mode 'arm' has `motion: forward`"), std::string::npos)
+      << forward.texts;
+  const Found caught = checked("try\n  comply(\"z\")\non error e\n  log(e.text)\nend\n", "", kWithoutSensor);
+  EXPECT_EQ(caught.texts.find("E"), std::string::npos) << caught.texts;
+}
+
+TEST(Rehearsal, SensorsBeltsAndStreamsThatTheCellDoesNotHaveAreErrors) {
+  for (const char* call : {"log(force())\n", "zero_force()\n"})
+    EXPECT_EQ(checked(call, "", kWithoutSensor).texts, "E1 signal 'arm' has no force sensor\n");
+  EXPECT_EQ(checked("wait next_part(\"line\")\n").texts, "E1 unknown-belt the cell has no belt 'line'\n");
+  EXPECT_EQ(checked("log(missed_parts(\"line\"))\n").texts, "E1 unknown-belt the cell has no belt 'line'\n");
+  const std::string camera = "streams:\n  camera: {connect: \"127.0.0.1:7001\"}\n";
+  for (const char* call :
+       {"send_text(\"camra\", \"x\")\n", "wait has_line(\"camra\")\n", "log(next_line(\"camra\"))\n"})
+    EXPECT_EQ(checked(call, camera).texts,
+              "E1 unknown-stream the cell has no stream 'camra'; did you mean 'camera'?\n");
+  EXPECT_EQ(checked("wait has_line(\"camera\")\nsend_text(\"camera\", \"x\")\n", camera).texts, "");
+  EXPECT_EQ(checked("comply(\"q\")\n").texts.substr(0, 3), "E1 ");
+}
+
 TEST(Rehearsal, EveryLineThatCannotBeGoneIsNamed) {
   const Found found = checked(kBend +
                                   "movel offset(start, z = -500mm)\n"  // 3: below the table

@@ -170,6 +170,7 @@ int run_page(const std::string& name) {
 TEST(Manual, EveryProgramInItDoesWhatItsLinesSay) {
   EXPECT_GT(run_page("language.md"), 8);
   EXPECT_EQ(run_page("searches.md"), 3);
+  EXPECT_EQ(run_page("moves.md"), 3);
 }
 
 TEST(Reference, EveryProgramInItDoesWhatItsLinesSay) {

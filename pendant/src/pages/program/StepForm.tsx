@@ -25,20 +25,36 @@ interface Kind {
   first: () => string;
 }
 const firstPlace = () => places.value[0]?.name ?? 'P1';
+const firstPose = () => places.value.find((each) => each.kind === 'pose')?.name ?? 'pose()';
 const firstFlag = () => names.value.find((each) => each.kind === 'tag' || each.kind === 'boolean')?.name ?? 'Ready';
+/** Only for a robot with wheels. */
+const kBaseKinds: Kind[] = [
+  { label: 'step.kDrive', icon: 'up', first: () => 'drive 500mm' },
+  { label: 'step.kDriveTo', icon: 'move', first: () => `drive ${firstPose()}` },
+  { label: 'step.kTurn', icon: 'turnLeft', first: () => 'turn 90deg' },
+];
 const kKinds: Kind[] = [
   { label: 'step.kMovej', icon: 'move', first: () => `movej ${firstPlace()}` },
   { label: 'step.kMovel', icon: 'up', first: () => `movel ${firstPlace()}` },
   { label: 'step.kMovec', icon: 'turnRight', first: () => `movec ${firstPlace()}, ${places.value[1]?.name ?? firstPlace()}` },
+  {
+    label: 'step.kTouch',
+    icon: 'hand',
+    first: () => 'movel tool_offset(here(), z = 20mm), speed 10mm/s, touch, until force() > 10N',
+  },
   { label: 'step.kWaitFor', icon: 'clock', first: () => `wait ${firstFlag()}` },
   { label: 'step.kWaitTime', icon: 'clock', first: () => 'wait 1s' },
   { label: 'step.kSet', icon: 'signals', first: () => `set ${firstFlag()} = true` },
   { label: 'step.kFor', icon: 'repeat', first: () => 'for i in 1 .. 3\nend' },
+  { label: 'step.kRows', icon: 'repeat', first: () => 'for row in rows_of("parts.csv")\nend' },
   { label: 'step.kWhile', icon: 'repeat', first: () => `while ${firstFlag()}\nend` },
   { label: 'step.kIf', icon: 'layers', first: () => `if ${firstFlag()}\nend` },
   { label: 'step.kElse', icon: 'layers', first: () => `if ${firstFlag()}\nelse\nend` },
   { label: 'step.kAsk', icon: 'hand', first: () => 'wait user "Go on?"' },
   { label: 'step.kHold', icon: 'pause', first: () => 'hold "Look at the part"' },
+  { label: 'step.kTrap', icon: 'alarm', first: () => `trap when ${firstFlag()}\nend` },
+  { label: 'step.kEvery', icon: 'clock', first: () => 'every 500ms\nend' },
+  { label: 'step.kPulse', icon: 'signals', first: () => `pulse ${firstFlag()} for 200ms` },
   { label: 'step.kComply', icon: 'hand', first: () => 'comply("z", force = 20N)' },
   { label: 'step.kStiff', icon: 'hand', first: () => 'stiff()' },
   { label: 'step.kLog', icon: 'edit', first: () => 'log "here"' },
@@ -53,7 +69,7 @@ export function openStepKinds(after: Statement | null): void {
   open((close) => (
     <Dialog title={t('step.add')} wide onClose={close}>
       <div class="program-kinds">
-        {kKinds.map((kind) => (
+        {(robot.value?.drives ? [...kBaseKinds, ...kKinds] : kKinds).map((kind) => (
           <button
             key={kind.label}
             type="button"

@@ -72,6 +72,12 @@ export function sentenceOf(statement: Statement): Sentence {
   }
   if (word === 'wait') return waitSentence(rest);
   if (word === 'on') return { icon: 'alarm', text: t(/^stop/i.test(rest) ? 'step.onStop' : 'step.onError'), chips: [] };
+  if (word === 'drive') {
+    const { target, clauses } = parseMove(text, [word])!;
+    const to = /^[a-z_`]/i.test(target);
+    const chips = clauses.map((each) => [each.word, each.value].filter(Boolean).join(' '));
+    return { icon: to ? 'move' : 'up', text: t(to ? 'step.driveTo' : 'step.drive', { rest: target }), chips };
+  }
   const plain = kPlain[word];
   if (plain) return { icon: plain[0], text: t(plain[1], { rest: tidy(word, rest) }), chips: [] };
   const call = kCalls[word];

@@ -1,0 +1,176 @@
+/// `drive` to a pose, in lock-step on the mock.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <numbers>
+#include <string>
+
+#include "polyarm/cell/check.hpp"
+#include "polyarm/setup/cell_file.hpp"
+#include "polyarm/wheels/base_controller.hpp"
+#include "tests/support/folder.hpp"
+#include "tests/support/lock_step_cell.hpp"
+
+namespace polyarm::cell {
+namespace {
+
+using test::Folder;
+using test::LockStepCell;
+constexpr double kPi = std::numbers::pi;
+
+constexpr const char* kBase = R"(<robot name="base">
+<link name="base_link"><collision><origin xyz="0.05 0 0.25"/><geometry><box size="0.5 0.3 0.3"/></geometry></collision></link>
+<link name="left_link"/><joint name="left" type="continuous"><origin xyz="0 0.15 0.1"/><parent link="base_link"/>
+<child link="left_link"/><axis xyz="0 1 0"/><limit velocity="50" effort="30"/></joint>
+<link name="right_link"/><joint name="right" type="continuous"><origin xyz="0 -0.15 0.1"/><parent link="base_link"/>
+<child link="right_link"/><axis xyz="0 1 0"/><limit velocity="50" effort="30"/></joint>
+<ros2_control name="Base" type="system"><hardware><plugin>mock_components/GenericSystem</plugin>
+<param name="calculate_dynamics">true</param></hardware>
+<joint name="left"><command_interface name="velocity"/><state_interface name="position"/><state_interface name="velocity"/></joint>
+<joint name="right"><command_interface name="velocity"/><state_interface name="position"/><state_interface name="velocity"/></joint>
+</ros2_control></robot>
+)";
+
+constexpr const char* kControllers = R"(
+controller_manager:
+  ros__parameters: {update_rate: 100, base: {type: diff_drive_controller/DiffDriveController}}
+base:
+  ros__parameters:
+    left_wheel_names: [left]
+    right_wheel_names: [right]
+    wheel_separation: 0.3
+    wheel_radius: 0.1
+    linear.x: {max_velocity: 0.5, max_acceleration: 1.0}
+    angular.z: {max_velocity: 1.5, max_acceleration: 4.0}
+)";
+
+constexpr const char* kWall = "  wall: {box: [0.1, 1.4, 1], at: [1.2, 0, 0.5]}\n";
+
+class BaseWaysOfPrograms : public ::testing::Test {
+ protected:
+  CellFile file(const std::string& program, const std::string& fixtures, const std::string& more = {}) {
+    folder.write("base.urdf", kBase);
+    folder.write("controllers.yaml", kControllers);
+    folder.write("go.script", program);
+    folder.write("scene.yaml", "polyarm: scene/1\nfloor: {height: 0}\n" +
+                                   (fixtures.empty() ? "" : "fixtures:\n" + fixtures));
+    folder.write("cell.yaml", "polyarm: cell/1\nrobots:\n  base: {model: base.urdf, hardware: mock" + more +
+                                  "}\nscene: scene.yaml\ncontrollers: controllers.yaml\nprogram: go\n");
+    return read_cell_file(folder.path());
+  }
+  void start(const std::string& program, const std::string& fixtures = "", const std::string& more = {}) {
+    cell = std::make_unique<LockStepCell>(file(program, fixtures, more));
+  }
+  const controllers::PlanarOdometry& place() {
+    return dynamic_cast<controllers::BaseController&>(*cell->cell().loop().controllers().find("base"))
+        .odometry();
+  }
+  bool ended() { return cell->cell().program()->ended(); }
+  double now() { return seconds(cell->cell().loop().cycle().time); }
+  Problem failure() { return cell->cell().program()->status().problem.value_or(Problem{}); }
+  void finish(double most = 60) {
+    while (!ended() && now() < most) {
+      cell->tick();
+      aside = std::max(aside, std::abs(place().y()));
+    }
+    ASSERT_TRUE(ended());
+  }
+  void expect_at(double x, double y, double heading) {
+    EXPECT_FALSE(cell->cell().program()->failed()) << failure().text();
+    EXPECT_NEAR(place().x(), x, 0.003);
+    EXPECT_NEAR(place().y(), y, 0.003);
+    EXPECT_NEAR(std::remainder(place().heading() - heading, 2 * kPi), 0, 0.006);
+  }
+  std::string checked(const std::string& program, const std::string& fixtures) {
+    file(program, fixtures);
+    std::string out;
+    for (const Problem& problem : check(folder.path(), {}, description::Catalogue({}), {}).problems)
+      if (problem.severity == Severity::error) out += problem.text() + "\n";
+    return out;
+  }
+
+  Folder folder;
+  std::unique_ptr<LockStepCell> cell;
+  double aside = 0;  ///< how far it went to the side
+};
+
+TEST_F(BaseWaysOfPrograms, ItGoesAroundAWallToItsPose) {
+  start("drive pose(2.4m, 0, 0, 0, 0, 90deg)\nlog(here().x)\n", kWall);
+  finish();
+  expect_at(2.4, 0, kPi / 2);
+  EXPECT_GT(aside, 0.8) << "the wall ends at 0.7 m";
+  EXPECT_LT(aside, 1.3);
+}
+
+TEST_F(BaseWaysOfPrograms, PosesAreInTheWorldOrInAFrameWhereverTheBaseBegins) {
+  start("drive pose(0.5m), frame pose(2m, 1m, 0, 0, 0, 90deg)\n", "", ", at: [1, 1, 0], rpy: [0, 0, 90deg]");
+  finish();
+  // World: (2, 1.5) with heading 90°. The odometry begins at (1, 1) with the same heading.
+  expect_at(0.5, -1, 0);
+}
+
+TEST_F(BaseWaysOfPrograms, HereIsWhereTheBaseIs) {
+  start("drive pose(1m, 0.5m, 0, 0, 0, 90deg)\nlet p = here()\ndrive pose()\ndrive p\n");
+  finish();
+  expect_at(1, 0.5, kPi / 2);
+}
+
+TEST_F(BaseWaysOfPrograms, HeldOnItsWayItGoesOnAfterwards) {
+  start("drive pose(2.4m, 0, 0, 0, 0, 90deg)\n", kWall);
+  while (place().x() < 0.4 && now() < 30) cell->tick();
+  cell->result({{"request", "control.hold"}});
+  cell->run(2);
+  const double x = place().x();
+  cell->run(1);
+  EXPECT_EQ(place().x(), x);
+  cell->result({{"request", "control.resume"}});
+  finish();
+  expect_at(2.4, 0, kPi / 2);
+}
+
+TEST_F(BaseWaysOfPrograms, ASpeedLimitsLinesOrTurns) {
+  start("drive pose(1m, 1m), speed 0.2m/s\ndrive pose(), speed 20deg/s\n");
+  double linear = 0, angular = 0;
+  const auto watch = [&](int line) {
+    linear = angular = 0;
+    while (!ended() && cell->cell().program()->status().where.line == line && now() < 60) {
+      const double x = place().x(), y = place().y(), heading = place().heading();
+      cell->run(0.01);
+      linear = std::max(linear, std::hypot(place().x() - x, place().y() - y) / 0.01);
+      angular = std::max(angular, std::abs(place().heading() - heading) / 0.01);
+    }
+  };
+  cell->run(0.1);
+  watch(1);
+  EXPECT_LT(linear, 0.21);
+  EXPECT_GT(angular, 0.8);
+  watch(2);
+  EXPECT_GT(linear, 0.4);
+  EXPECT_LT(angular, 25 * kPi / 180);
+  expect_at(0, 0, 0);
+}
+
+TEST_F(BaseWaysOfPrograms, WithoutAWayTheLineFailsAndCheckSaysSoBefore) {
+  const std::string inside = "drive 100mm\ndrive pose(1.2m, 0)\n";
+  start(inside, kWall);
+  finish();
+  EXPECT_EQ(failure().code, "goal-in-contact");
+  EXPECT_NE(failure().text().find("base/base_link touches fixture wall there"), std::string::npos)
+      << failure().text();
+  EXPECT_NE(checked(inside, kWall).find("go.script:2:1: error: no way to (1.200, 0.000) m"),
+            std::string::npos)
+      << checked(inside, kWall);
+  EXPECT_EQ(checked("drive pose(2.4m)\ndrive pose()\n", kWall), "");
+}
+
+TEST_F(BaseWaysOfPrograms, ItDocksAheadOfTwoPlaces) {
+  start("include \"polyarm:base\"\ndock_at(pose(2m, 0.4m), pose(2m, 0.2m), away = 600mm, gap = 320mm)\n",
+        "  dock: {box: [0.2, 0.6, 0.5], at: [2.11, 0.3, 0.25]}\n");
+  finish();
+  expect_at(2 - 0.32, 0.3, 0);
+}
+
+}  // namespace
+}  // namespace polyarm::cell
