@@ -39,6 +39,7 @@ TestTask::TestTask(CellInside& cell, program::Program tests, std::size_t index, 
   context.task = "test";
   context.run_program = [this](const std::string& name, const Location& where) {
     cell_.programs->begin(name, where);
+    report_of_program();
   };
   context.call = [this](std::string_view function, std::span<const data::Value> arguments,
                         const Location& where) { return call(function, arguments, where); };

@@ -75,7 +75,8 @@ std::string sentence_of(const program::TaskStatus& status) {
   std::string out = fmt::format("{}: {}", status.where.text(), status.source);
   switch (status.waiting.kind) {
     case program::WaitKind::condition:
-      out += ", waits for " + join(status.waiting.names, ", ");
+      out += ", waits for " +
+             (status.waiting.names.empty() ? std::string("a condition") : join(status.waiting.names, ", "));
       break;
     case program::WaitKind::move:
       out += ", moves to " + status.waiting.text;

@@ -8,9 +8,11 @@
 namespace polyarm::program {
 
 namespace {
-/// The names that a condition reads, for a message.
-std::string read_by(const std::vector<std::string>& names) {
-  return names.empty() ? "nothing that others change" : join(names, ", ");
+/// What a condition reads, for a message: its names, or the condition itself if it calls functions such as
+/// next_part().
+std::string read_by(const std::vector<std::string>& names, const Expression* condition) {
+  if (!names.empty()) return join(names, ", ");
+  return condition ? spelled(*condition) : "nothing that others change";
 }
 }  // namespace
 
@@ -127,14 +129,19 @@ bool Interpreter::deadline_passed(const Task& task) const {
 void Interpreter::time_out(Task& task) {
   const Step& step = code_.steps[task.pc];
   const Waiting waiting = task.waiting;
+  const Statement* const statement = source(step).statement;
+  const bool calls =
+      waiting.kind == WaitKind::condition && code_.reads[static_cast<std::size_t>(step.b)].others;
+  const Expression* const condition = calls && statement ? statement->expression.get() : nullptr;
   task.deadline.reset();
   if (waiting.kind == WaitKind::meet) std::erase(meetings_[waiting.text], task.id);
   if (step.c < 0) {
-    const std::string what =
-        waiting.kind == WaitKind::meet ? "the time-out passed and not all have come to '" + waiting.text + "'"
-        : waiting.kind == WaitKind::lock
-            ? "the time-out passed and another task still has '" + waiting.text + "'"
-            : "the time-out passed and the condition is still false; it reads " + read_by(waiting.names);
+    const std::string what = waiting.kind == WaitKind::meet
+                                 ? "the time-out passed and not all have come to '" + waiting.text + "'"
+                             : waiting.kind == WaitKind::lock
+                                 ? "the time-out passed and another task still has '" + waiting.text + "'"
+                                 : "the time-out passed and the condition is still false; it reads " +
+                                       read_by(waiting.names, condition);
     throw Error(Problem{"timeout", program_.at(source(step).line), what,
                         waiting.kind == WaitKind::lock ? "catch it with `try`"
                                                        : "write `else` after the timeout to handle it"});

@@ -514,6 +514,7 @@ TEST_F(ProgramControl, TestsStandBesideTheProgramOnItsTags) {
                "test \"it counts\"\n"
                "  expect not program.running\n"
                "  run\n"
+               "  expect program.running\n"
                "  expect Placed == 3 timeout 30s\n"
                "  person(\"hold\")\n"
                "  wait 3s\n"
@@ -548,7 +549,7 @@ TEST_F(ProgramControl, TestsStandBesideTheProgramOnItsTags) {
   EXPECT_NE(results[1].problems.front().what.find("expected Placed == 100 within 2s; Placed is"),
             std::string::npos)
       << results[1].problems.front().text();
-  EXPECT_EQ(results[1].problems.front().where.line, 18);
+  EXPECT_EQ(results[1].problems.front().where.line, 19);
   ASSERT_FALSE(results[2].problems.empty());
   EXPECT_EQ(results[2].problems.front().code, "unknown-interface");
   EXPECT_EQ(read_file(folder.path() / "work.data").find("Num: 3"), std::string::npos);
