@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <iterator>
+#include <utility>
 
 #include "polyarm/base/bounds.hpp"
 
@@ -102,6 +104,26 @@ const std::string* completion(std::string_view wrong, std::span<const std::strin
   return best;
 }
 
+/// The text with Latin letters instead of Cyrillic and Greek ones that look the same.
+std::string in_latin(std::string_view text) {
+  static constexpr std::pair<std::string_view, char> kAlike[] = {
+      {"\u0410", 'A'}, {"\u0412", 'B'}, {"\u0415", 'E'}, {"\u041a", 'K'}, {"\u041c", 'M'}, {"\u041d", 'H'},
+      {"\u041e", 'O'}, {"\u0420", 'P'}, {"\u0421", 'C'}, {"\u0422", 'T'}, {"\u0425", 'X'}, {"\u0430", 'a'},
+      {"\u0435", 'e'}, {"\u043e", 'o'}, {"\u0440", 'p'}, {"\u0441", 'c'}, {"\u0443", 'y'}, {"\u0445", 'x'},
+      {"\u0456", 'i'}, {"\u0391", 'A'}, {"\u0392", 'B'}, {"\u0395", 'E'}, {"\u0396", 'Z'}, {"\u0397", 'H'},
+      {"\u0399", 'I'}, {"\u039a", 'K'}, {"\u039c", 'M'}, {"\u039d", 'N'}, {"\u039f", 'O'}, {"\u03a1", 'P'},
+      {"\u03a4", 'T'}, {"\u03a5", 'Y'}, {"\u03a7", 'X'}, {"\u03bf", 'o'}};
+  std::string out;
+  for (std::size_t i = 0; i < text.size() && text.size() <= bounds::kSuggestedBytes;) {
+    const auto alike = std::find_if(std::begin(kAlike), std::end(kAlike),
+                                    [&](const auto& each) { return text.substr(i).starts_with(each.first); });
+    const bool found = alike != std::end(kAlike);
+    out += found ? alike->second : text[i];
+    i += found ? alike->first.size() : 1;
+  }
+  return out.empty() ? std::string(text) : out;
+}
+
 /// Of names such as MAKER/MODEL the last part, where `wrong` has one part only.
 std::string_view comparable(std::string_view candidate, std::string_view wrong) {
   const auto slash = candidate.rfind('/');
@@ -138,6 +160,9 @@ std::optional<std::string> nearest_name(std::string_view wrong, std::span<const 
 }
 
 std::string did_you_mean(std::string_view wrong, std::span<const std::string> candidates) {
+  if (const std::string latin = in_latin(wrong); latin != wrong)
+    if (const auto same = std::find(candidates.begin(), candidates.end(), latin); same != candidates.end())
+      return "; did you mean '" + *same + "', in Latin letters?";
   const auto name = nearest_name(wrong, candidates);
   return name ? "; did you mean '" + *name + "'?" : std::string{};
 }

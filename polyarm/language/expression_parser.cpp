@@ -164,6 +164,9 @@ void TokenCursor::expect_end(const std::string& statement) const {
   if (is_word("then") || is_word("do"))
     throw SyntaxError{"unexpected", peek().place, "'" + peek().text + "' is not written here",
                       "the block begins on the next line"};
+  if (is_symbol("{"))
+    throw SyntaxError{"unexpected", peek().place, "'{' is not expected here, after " + statement,
+                      "a block begins on the next line and ends with `end`"};
   refuse_lone_unit(*this);
   throw SyntaxError{"unexpected", peek().place, shown(peek()) + " is not expected here, after " + statement,
                     "write one statement per line; put a name with blanks in `back-quotes`"};
@@ -424,8 +427,10 @@ ExpressionPtr TokenCursor::text_parts(const Token& token) {
     } else if (c == '{') {
       const auto close = token.text.find('}', i);
       if (close == std::string::npos)
-        throw SyntaxError{"unclosed", token.place, "a '{' in this text is never closed",
-                          "write \\{ for the sign"};
+        throw SyntaxError{
+            "unclosed", token.place, "a '{' in this text is never closed",
+            "write \\{ for the sign; a text in the braces has quotes of its own: give it a name with "
+            "`let` before"};
       const std::string_view inside = std::string_view(token.text).substr(i + 1, close - i - 1);
       if (inside.empty() || inside.front() == ':') {  // a field of format()
         piece.append(token.text, i, close + 1 - i);

@@ -86,7 +86,7 @@ class LineLexer {
     if (c == '"') return read_text();
     if (c == '`') return read_quoted_name();
     const Character character = character_at(text_, at_);
-    if (character.length == 0) return bad(1, "this byte is no UTF-8 text");
+    if (character.length == 0) return bad(1, "this byte is no UTF-8 text: save the file as UTF-8");
     if (is_name_character(character.code)) return read_name();
     read_symbol(character.length);
   }
@@ -185,7 +185,7 @@ class LineLexer {
   /// What to write instead of symbols of other languages, and of those that text processors put in.
   static std::string_view instead_of(std::string_view symbol) {
     static constexpr std::pair<std::string_view, std::string_view> kInstead[] = {
-        {"!", "; write `not`"},
+        {"!", "; write `not`, and # before a comment"},
         {"&", "; write `and`"},
         {"|", "; write `or`"},
         {"'", "; a text stands in double quotes"},
@@ -198,7 +198,7 @@ class LineLexer {
         {"\u00a0", ": it is a special blank; write a plain one"},
         {"$",
          "; inputs and outputs are tags of signals.yaml, speeds are clauses such as `use speed 250mm/s`"},
-        {";", "; a statement ends with its line"},
+        {";", "; a statement ends with its line, and a comment begins with #"},
         {":", "; a block begins on the next line"},
         {"%", "; it stands right behind a number, and the rest of a division is `mod`"}};
     const auto at = std::find_if(std::begin(kInstead), std::end(kInstead),

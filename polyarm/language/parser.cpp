@@ -264,6 +264,9 @@ class Parser {
       return error("unknown-word", first.place, "a statement begins with a word, here is " + shown(first),
                    "line numbers are no part of a program");
     const Token& second = line.source.tokens[std::min<std::size_t>(1, line.source.tokens.size() - 1)];
+    if (first.kind == TokenKind::symbol && second.kind == TokenKind::symbol)  // such as // and --
+      return error("unknown-word", first.place, "no statement begins with '" + first.text + second.text + "'",
+                   "a comment begins with #");
     if (second.kind == TokenKind::symbol && second.text == "=")
       return error("unknown-word", first.place, "no statement begins with " + shown(first),
                    "to change it write `set " + first.text.substr(0, 40) + " = …`, for a new name `let`");
@@ -455,6 +458,11 @@ Program parse(std::string_view text, const std::string& file, Problems& problems
   program.file = file;
   if (const auto why = data::why_not_text(text)) {
     problems.error("not-text", {file}, *why);
+    return program;
+  }
+  if (text.find('\n') == std::string_view::npos && text.find('\r') + 1 < text.size() &&
+      text.find('\r') != std::string_view::npos) {
+    problems.error("not-text", {file}, "the lines of this file end with CR alone", "save it with LF");
     return program;
   }
   if (text.size() > kLongestProgram) {

@@ -66,6 +66,14 @@ void parse_set(const Line& line, TokenCursor& cursor, Statement& out) {
   if (cursor.position() > 2)
     throw SyntaxError{"no-equals", cursor.peek().place, "'=' was expected after '" + out.name + "'",
                       "write `set " + out.name + " = …`"};
+  const Token &operation = cursor.peek(), &then = cursor.peek(1);
+  const bool calculates = operation.kind == TokenKind::symbol && then.kind == TokenKind::symbol &&
+                          among(operation.text, {"+", "-", "*", "/"}) &&
+                          (then.text == "=" || then.text == operation.text);
+  if (calculates)  // such as += and ++
+    throw SyntaxError{"no-equals", operation.place,
+                      "'" + operation.text + then.text + "' is not written here",
+                      "write `set " + out.name + " = " + out.name + " " + operation.text + " …`"};
   out.kind = Kind::set_literal;
   out.literal = thesis_literal(line, cursor);
 }
@@ -136,6 +144,11 @@ void parse_wait(TokenCursor& cursor, Statement& out) {
   if (cursor.is_word("user") || cursor.is_word("input")) {
     if (cursor.peek(1).kind == TokenKind::end) return parse_ask(cursor, out);
     if (cursor.peek(1).kind == TokenKind::text) return parse_ask(cursor, out);
+    if (cursor.peek(1).kind == TokenKind::name &&
+        !among(lower(cursor.peek(1).text), {"timeout", "and", "or"}))
+      throw SyntaxError{"unexpected", cursor.peek(1).place,
+                        "a text was expected here, is " + shown(cursor.peek(1)),
+                        "write the question in quotes: `wait user \"TEXT\"`"};
   }
   if (cursor.is_word("var") && begins_value(cursor, 1)) {
     cursor.take();

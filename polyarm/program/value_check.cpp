@@ -223,7 +223,7 @@ class ValueCheck {
       if (!value) return;
       if (&e == s.expression.get() && (s.kind == Statements::wait_time || s.kind == Statements::wait ||
                                        s.kind == Statements::every || s.kind == Statements::pulse))
-        time(e, *value);
+        time(e, *value, s.kind == Statements::every);
       const bool timeout = s.kind == Statements::wait || s.kind == Statements::meet ||
                            s.kind == Statements::lock || s.kind == Statements::expect;
       if (&e == s.second.get() && timeout) time(e, *value);
@@ -264,8 +264,10 @@ class ValueCheck {
                      "a range counts upwards; count from the end with another name: let i = N + 1 - k");
   }
 
-  void time(const Expression& e, const Value& value) {
+  void time(const Expression& e, const Value& value, bool above_zero = false) {
     const Number* number = value.as_number();
+    if (number && above_zero && number->value == 0)
+      return report(e.place, "bad-value", "this time must be above 0, here is " + value.text());
     if (number && number->value < 0)
       report(e.place, "bad-value", "a time cannot be negative: " + value.text());
   }

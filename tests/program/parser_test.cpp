@@ -75,6 +75,7 @@ TEST(Parser, ReadsWindowsLineEndsAndAByteOrderMark) {
 TEST(Parser, RefusesBinaryFiles) {
   EXPECT_EQ(problems_of(std::string("\x80\x04\x95") + std::string(20, '\0')).list().at(0).code, "not-text");
   EXPECT_EQ(problems_of(std::string("log(1)\n\0", 8)).list().at(0).code, "not-text");
+  EXPECT_EQ(problems_of("log(1)\rlog(2)\r").list().at(0).code, "not-text");
 }
 
 TEST(Parser, AnEmptyProgramDoesNothing) {
