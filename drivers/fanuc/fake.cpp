@@ -14,6 +14,7 @@ using hardware::CallbackReturn;
 namespace {
 
 constexpr Nanoseconds kTimeout = 5'000'000'000, kDisturbed = 20'000'000, kAnswer = 50'000'000;
+constexpr Nanoseconds kBraking = 1'000'000'000;  // a cycle of a stop waits so long for the driver's answer
 
 MachineOptions machine_of(const hardware::RobotInstance& robot) {
   MachineOptions out;
@@ -99,14 +100,14 @@ CallbackReturn FakeFanuc::on_activate() {
 
 CallbackReturn FakeFanuc::on_deactivate() {
   if (!stepped_.exchange(false)) return FanucComponent::on_deactivate();
-  const wire::Stepper<FarSide> stepper(*far_, kDisturbed);
+  const wire::Stepper<FarSide> stepper(*far_, kBraking);
   return FanucComponent::on_deactivate();
 }
 
 CallbackReturn FakeFanuc::on_cleanup() {
   if (!link() && !forward()) return CallbackReturn::success;
   if (!stepped_.exchange(false)) return FanucComponent::on_cleanup();
-  const wire::Stepper<FarSide> stepper(*far_, kDisturbed);
+  const wire::Stepper<FarSide> stepper(*far_, kBraking);
   return FanucComponent::on_cleanup();
 }
 

@@ -61,7 +61,7 @@ class FarStream {
   void take_command(const Command& command);
   void take_io_setup(const IoSetup& setup);
   void follow();
-  void judge(const Six& next);
+  bool judge(const Six& next);
   void send();
   void send_to_client(const std::vector<std::uint8_t>& packet);
   Status status() const;

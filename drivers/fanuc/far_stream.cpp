@@ -126,10 +126,11 @@ void FarStream::program(bool on) {
   velocity_ = acceleration_ = {};
 }
 
-/// The controller judges differences between commands.
-void FarStream::judge(const Six& next) {
+/// The controller judges differences between commands. One beyond a limit raises an alarm and is not driven.
+bool FarStream::judge(const Six& next) {
   const Six& at = machine_.commanded();
   const double steps = kLimitSteps - 1;
+  bool good = true;
   for (std::size_t i = 0; i < 6; ++i) {
     const double velocity = (next[i] - at[i]) / period_;
     const double acceleration = (velocity - velocity_[i]) / period_;
@@ -137,13 +138,15 @@ void FarStream::judge(const Six& next) {
     for (std::size_t kind = 0; kind < 3; ++kind) {
       const LimitTable& table = tables_[3 * i + kind];
       const auto step = static_cast<std::size_t>(std::clamp(speed_ / table.max_speed * steps, 0.0, steps));
-      if (std::abs(values[kind]) > table.empty[step] * kRounding)
-        machine_.alarm("MOTN-61" + std::to_string(kind) + " ST: " + kKinds[kind] + " limit over (axis " +
-                       std::to_string(i + 1) + ")");
+      if (std::abs(values[kind]) <= table.empty[step] * kRounding) continue;
+      good = false;
+      machine_.alarm("MOTN-61" + std::to_string(kind) + " ST: " + kKinds[kind] + " limit over (axis " +
+                     std::to_string(i + 1) + ")");
     }
     velocity_[i] = velocity;
     acceleration_[i] = acceleration;
   }
+  return good;
 }
 
 void FarStream::follow() {
@@ -170,7 +173,7 @@ void FarStream::follow() {
       for (std::size_t i = 0; i < 6; ++i)
         if (std::abs(next[i] - machine_.q()[i]) > kFarStart)
           return machine_.alarm("MOTN-609 ST: First position is away from the robot");
-    judge(next);
+    if (!judge(next)) return machine_.stop();
     moving_ = true;
   } else if (++missed_ > kMostMissed) {
     program(false);  // measured on a CRX: no alarm

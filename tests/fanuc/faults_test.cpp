@@ -156,6 +156,38 @@ TEST(FanucFaults, PacketsOfAStrangerAreNotTaken) {
   EXPECT_EQ(far.commands(), 0u);
 }
 
+/// The services of the controller alone, cycle by cycle: a client may command what no driver would.
+TEST(FanucFaults, ACommandBeyondALimitIsNotDriven) {
+  fanuc::FarFaults faults;
+  fanuc::Machine machine(far_options().machine);
+  fanuc::FarStream stream(machine, faults, 0.008);
+  stream.listen("127.0.0.1", 0);
+  std::string why;
+  const Descriptor client = wire::connect_udp("127.0.0.1", stream.port(), why);
+  wire::send_datagram(client.number(), fanuc::encode_start(3));
+  stream.serve();
+  stream.program(true);
+  fanuc::Command command;
+  command.motion = true;
+  const Six at = machine.q();
+  std::copy(at.begin(), at.end(), command.joints.begin());
+  const auto cycles = [&](int count) {
+    for (int i = 0; i < count; ++i) {
+      stream.cycle();
+      command.sequence = stream.sent_sequence();
+      wire::send_datagram(client.number(), encode(command));
+      stream.serve();
+    }
+  };
+  cycles(20);
+  ASSERT_EQ(machine.alarm_text(), "");
+  command.joints[0] += 0.2;  // degrees in 8 ms, from rest
+  cycles(20);
+  EXPECT_NE(machine.alarm_text().find("limit over (axis 1)"), std::string::npos) << machine.alarm_text();
+  EXPECT_EQ(machine.largest_jump(), 0);
+  EXPECT_EQ(machine.q(), at);
+}
+
 /// Faults drawn at random, in every state: always named, always standing, never a jump.
 TEST(FanucFaults, DrawnAtRandomTheyAreAlwaysNamedAndNothingJumps) {
   constexpr const char* kOrders[] = {"e_stop",    "fence_open", "t1",        "t2",      "contact",
