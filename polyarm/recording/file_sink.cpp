@@ -4,8 +4,11 @@
 #include <sys/types.h>
 #include <unistd.h>
 
+#include <atomic>
 #include <cerrno>
+#include <cstdio>
 #include <cstring>
+#include <string>
 #include <string_view>
 #include <system_error>
 
@@ -30,6 +33,13 @@ void remove_recording(const std::filesystem::path& path) {
   ::unlink(path.c_str());
 }
 
+/// Named as base/file names its temporary files, so that sweep_temporaries() removes what a kill leaves.
+std::filesystem::path temporary_beside(const std::filesystem::path& path) {
+  static std::atomic<unsigned> count{0};
+  return path.parent_path() / ("." + path.filename().string() + ".tmp" + std::to_string(::getpid()) + "." +
+                               std::to_string(count++));
+}
+
 }  // namespace
 
 FileSink::FileSink(const std::filesystem::path& path) : path_(path) {
@@ -41,7 +51,8 @@ FileSink::FileSink(const std::filesystem::path& path) : path_(path) {
                 "name another file");
   if (path.has_parent_path()) std::filesystem::create_directories(path.parent_path(), ignored);
   remove_recording(path);
-  fd_ = ::open(path.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC | O_NONBLOCK, 0600);
+  temporary_ = temporary_beside(path);
+  fd_ = ::open(temporary_.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC | O_NONBLOCK, 0600);
   if (fd_ < 0)
     throw Error("unwritable",
                 "the recording " + path.string() + " cannot be created: " + std::strerror(errno),
@@ -50,6 +61,23 @@ FileSink::FileSink(const std::filesystem::path& path) : path_(path) {
 
 FileSink::~FileSink() {
   if (fd_ >= 0) ::close(fd_);
+  if (!temporary_.empty()) ::unlink(temporary_.c_str());
+}
+
+/// Never replaces a file that was made meanwhile. File systems without hard links get a rename instead.
+bool FileSink::publish() {
+  const bool linked = ::link(temporary_.c_str(), path_.c_str()) == 0;
+  if (!linked && errno != EEXIST && ::rename(temporary_.c_str(), path_.c_str()) == 0) {
+    temporary_.clear();
+    return true;
+  }
+  if (!linked) {
+    problem_ = path_.string() + ": " + std::strerror(errno);
+    return false;
+  }
+  ::unlink(temporary_.c_str());
+  temporary_.clear();
+  return true;
 }
 
 bool FileSink::write(std::span<const std::byte> bytes) {
@@ -66,7 +94,7 @@ bool FileSink::write(std::span<const std::byte> bytes) {
     size_ += static_cast<std::uint64_t>(n);
     bytes = bytes.subspan(static_cast<std::size_t>(n));
   }
-  return true;
+  return temporary_.empty() || publish();
 }
 
 void FileSink::flush() {
