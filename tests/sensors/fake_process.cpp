@@ -13,7 +13,8 @@ namespace {
 int measure(hardware::Component& component, const std::string& port, const std::string& state) {
   hardware::ComponentContext context;
   context.name = "unit";
-  context.parameters = {{"port", port}};
+  // On a machine that is busy with other work, seconds may pass between two messages.
+  context.parameters = {{"port", port}, {"timeout", "60"}, {"start_timeout", "60"}};
   hardware::RobotInstance robot;
   robot.name = "cart";
   context.robots = {robot};

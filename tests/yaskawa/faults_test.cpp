@@ -180,11 +180,11 @@ TEST(YaskawaFaults, TheRobotStandsWhenItsBufferIsEmpty) {
   const double from = rig.command("joint_1/position");
   ASSERT_TRUE(rig.runs(120, [&](int i) { rig.command("joint_1/position") = from + travel(i, 0.0015); }));
   const Six before = rig.q();
-  for (int i = 0; i < 60; ++i) rig.far().step();  // no command, no answer of anybody
+  for (int i = 0; i < 60; ++i) rig.read();  // a cycle of the controller each, without a command
   const Six at = rig.q();
   EXPECT_GT(at[0], before[0]);
   EXPECT_LT(at[0] - before[0], 0.0015 * 45) << "no further than `lead_ms`";
-  for (int i = 0; i < 60; ++i) rig.far().step();
+  for (int i = 0; i < 60; ++i) rig.read();
   EXPECT_EQ(rig.q(), at);
 }
 
