@@ -6,8 +6,8 @@
 #include <tuple>
 #include <utility>
 
-#include "polyarm/base/bounds.hpp"
 #include "polyarm/base/text.hpp"
+#include "polyarm/ros_files/controller_entries.hpp"
 #include "polyarm/ros_files/superseded_keys.hpp"
 
 namespace polyarm::ros_files {
@@ -25,14 +25,6 @@ constexpr std::size_t kMostGathered = 1'000'000;
 bool is_wild(const std::string& name) {
   return name == "*" || name == "**";
 }
-bool is_class_name(const std::string& type) {
-  return type.find('/') != std::string::npos || type.find("::") != std::string::npos;
-}
-bool sounds_like_controller(const std::string& name) {
-  const std::string plain = lower(name);
-  if (plain.starts_with("publish")) return false;  // nodes that send to controllers
-  return plain.find("controller") != std::string::npos || plain.find("broadcaster") != std::string::npos;
-}
 
 struct ManagerName {
   Path ns;
@@ -47,16 +39,6 @@ struct Gathered {
   std::set<std::string> own;
   bool has_block = false;
 };
-
-/// Adds an entry. The count is limited, because each entry is compared with each other one.
-void add_bounded(std::vector<ControllerEntry>& list, ControllerEntry entry) {
-  if (list.size() >= bounds::kFileControllers)
-    throw Error(Problem{"too-many",
-                        entry.where,
-                        "more than " + std::to_string(bounds::kFileControllers) + " controllers are declared",
-                        "name only those that the cell uses"});
-  list.push_back(std::move(entry));
-}
 
 /// Combines the blocks of ROS 2 files: finds the managers, their controllers, and the parameters of each.
 class Ros2Reader {
@@ -481,97 +463,6 @@ class Ros2Reader {
   std::size_t gathered_ = 0;
 };
 
-/// Finds controllers, gains and rates in the parameters of ROS 1.
-class Ros1Reader {
- public:
-  Ros1Reader(const ParameterTree& tree, ControllersFile& out, Problems& problems)
-      : tree_(tree), out_(out), problems_(problems) {}
-
-  void read() { visit(tree_, {}); }
-
- private:
-  void visit(const ParameterTree& node, const Path& path) {
-    const std::string name = path.empty() ? "" : path.back();
-    if (name == "joint_limits") return;
-    if (name == "gazebo_ros_control" && node.find("pid_gains")) {
-      for (auto& [key, entry] : node.find("pid_gains")->flat().entries) out_.pid_gains.entries[key] = entry;
-      return;
-    }
-    if (is_controller(node, name)) return controller(node, path);
-    if (node.value) leaf(node, path);
-    if (node.value && node.value->list) return;  // maps in a list are not names
-    for (const auto& [child, inner] : node.children) {
-      Path next = path;
-      next.push_back(child);
-      visit(inner, next);
-    }
-  }
-
-  static std::string type_of(const ParameterTree& node) {
-    const ParameterTree* type = node.find("type");
-    return type && type->value && type->value->values.size() == 1 ? type->value->values.front() : "";
-  }
-
-  bool is_controller(const ParameterTree& node, const std::string& name) const {
-    if (name.empty()) return false;
-    const std::string type = type_of(node);
-    for (const char* action : {"FollowJointTrajectory", "GripperCommand", "ParallelGripperCommand"})
-      if (type == action) return false;  // a planner's view of a controller
-    if (type.find("Hardware") != std::string::npos || type.find("RobotHW") != std::string::npos ||
-        type.find("Transmission") != std::string::npos)
-      return false;
-    if (is_class_name(type)) return true;
-    if (!sounds_like_controller(name)) return false;
-    if (node.find("type")) return true;
-    for (const char* key : {"joint", "joints", "pid", "gains", "publish_rate", "left_wheel", "right_wheel"})
-      if (const ParameterTree* child = node.find(key); child && (child->value || child->find("p")))
-        return true;
-    return false;
-  }
-
-  void controller(const ParameterTree& node, const Path& path) {
-    const std::string type = type_of(node);
-    const ParameterTree* written = node.find("type");
-    if (!written)
-      return problems_.warning("no-type", node.where,
-                               "the controller '" + join_name(path) + "' has no type; it is left out",
-                               "write 'type: PACKAGE/CLASS' below it, such as "
-                               "effort_controllers/JointEffortController");
-    if (!is_class_name(type))
-      return problems_.warning(
-          "bad-type", written->where,
-          "'" + type + "' is not a type of controller; '" + join_name(path) + "' is left out",
-          "write PACKAGE/CLASS, such as effort_controllers/JointEffortController");
-    ControllerEntry entry;
-    entry.name = path.back();
-    entry.ns = join_name(Path(path.begin(), path.end() - 1));
-    entry.type = type;
-    entry.where = written->where;
-    entry.parameters = node.flat("type");
-    entry.ros1 = true;
-    add_bounded(out_.controllers, std::move(entry));
-  }
-
-  void leaf(const ParameterTree& node, const Path& path) {
-    if (path.back() != "loop_hz") {
-      out_.unused.push_back({join_name(path), node.where, "no controller reads it"});
-      return;
-    }
-    double rate = 0;
-    ParameterReader(problems_).read("loop_hz", *node.value, rate);
-    if (rate >= 1 && rate <= 10000)
-      out_.update_rate = rate;
-    else if (rate != 0)
-      problems_.error("bad-value", node.where,
-                      "'loop_hz: " + format_number(rate) + "' is not a rate of a cell",
-                      "write a number from 1 to 10000");
-  }
-
-  const ParameterTree& tree_;
-  ControllersFile& out_;
-  Problems& problems_;
-};
-
 /// Sorts by source, then by line.
 auto by_place(const std::vector<ParameterSource>& sources) {
   return [&sources](const auto& a, const auto& b) {
@@ -611,7 +502,7 @@ ControllersFile read_controllers(const std::vector<ParameterSource>& sources, Pr
   try {
     for (const ParameterSource& source : sources) read_parameters(source, set, found);
     Ros2Reader(set, sources.empty() ? nullptr : sources.front().substitution, out, found).read();
-    Ros1Reader(set.tree, out, found).read();
+    read_ros1_controllers(set.tree, out, found);
   } catch (const Error&) {
     hand_over(found, sources, problems);
     throw;
