@@ -30,7 +30,7 @@ struct Element {
   }
 };
 
-Element element_of(const tinyxml2::XMLElement& xml, const std::string& file, int depth) {
+Element element_of(const tinyxml2::XMLElement& xml, const std::string& file, std::size_t depth) {
   Element out;
   out.tag = xml.Name();
   out.where = {file, xml.GetLineNum()};
@@ -42,9 +42,9 @@ Element element_of(const tinyxml2::XMLElement& xml, const std::string& file, int
   return out;
 }
 
-void add_children(const Yaml& yaml, const std::string& tag, Element& to, int depth);
+void add_children(const Yaml& yaml, const std::string& tag, Element& to, std::size_t depth);
 
-Element element_of(const Yaml& yaml, const std::string& tag, int depth) {
+Element element_of(const Yaml& yaml, const std::string& tag, std::size_t depth) {
   Element out;
   out.tag = tag;
   out.where = yaml.where();
@@ -60,7 +60,7 @@ Element element_of(const Yaml& yaml, const std::string& tag, int depth) {
 
 /// `param: [{…}, {…}]` are children with this tag; `launch: [{node: {…}}]` are children with the tags in the
 /// items.
-void add_children(const Yaml& yaml, const std::string& tag, Element& to, int depth) {
+void add_children(const Yaml& yaml, const std::string& tag, Element& to, std::size_t depth) {
   static const std::set<std::string> kNamed = {"param",  "remap",          "env", "arg", "let",
                                                "choice", "composable_node"};
   if (depth > bounds::kLaunchNesting || !yaml.defined()) return;
@@ -101,7 +101,7 @@ class Walk {
  private:
   // --- $(…) ---
 
-  std::string text(const std::string& written, const Location& where, int depth = 0) {
+  std::string text(const std::string& written, const Location& where, std::size_t depth = 0) {
     if (depth > bounds::kLaunchNesting) return std::string(1, kUnknown);
     std::string out;
     for (std::size_t at = 0; at < written.size() && out.size() <= kLongestText;) {
@@ -124,7 +124,7 @@ class Walk {
     return text.size();
   }
 
-  std::string substituted(const std::string& inside, const Location& where, int depth) {
+  std::string substituted(const std::string& inside, const Location& where, std::size_t depth) {
     const std::string whole(trim(text(inside, where, depth + 1)));
     const std::size_t blank = std::min(whole.find_first_of(" \t\r\n"), whole.size());
     const std::string name = whole.substr(0, blank);
@@ -289,7 +289,7 @@ class Walk {
 
   const std::filesystem::path& path_;
   LaunchActions& actions_;
-  int count_ = 0;
+  std::size_t count_ = 0;
 };
 
 bool is_yaml(const std::filesystem::path& path) {
