@@ -55,7 +55,7 @@ if(CMAKE_BUILD_TYPE STREQUAL "Release")
     list(APPEND POLYARM_WAITING_OPTIONS -Wno-maybe-uninitialized)  # GCC 12 is wrong about an optional there
   endif()
 endif()
-set(POLYARM_CELL_HEADERS <nlohmann/json.hpp>)
+set(POLYARM_CELL_HEADERS ${PROJECT_SOURCE_DIR}/cmake/precompiled_json.hpp)
 if(POLYARM_TOGETHER)
   list(APPEND POLYARM_CELL_HEADERS ${PROJECT_SOURCE_DIR}/polyarm/inside/inside.hpp
        ${PROJECT_SOURCE_DIR}/polyarm/inside/view.hpp)
