@@ -2,8 +2,8 @@
 import assert from 'node:assert/strict';
 import { spawnSync } from 'node:child_process';
 import { dirname, join } from 'node:path';
-import { picture } from './browser.mjs';
-import { polyarm } from './cell.mjs';
+import { picture, screen } from './browser.mjs';
+import { polyarm, until } from './cell.mjs';
 import { suite } from './suite.mjs';
 
 const addAnna = (folder) => {
@@ -26,6 +26,24 @@ test('a page without a link asks for name and password', async () => {
   await enter('wrong password');
   await form().getByText('The name or the password is wrong.').waitFor();
   await picture(page, 'log-in');
+});
+
+test('the form keeps what is typed while the page tries to connect', async () => {
+  // The time of a first connection does not end, so that every attempt falls into it.
+  const first = () => {
+    const real = window.setTimeout;
+    window.setTimeout = (what, delay, ...rest) => real(what, delay === 1500 ? 3_600_000 : delay, ...rest);
+  };
+  page = await screen(at.chrome.browser, new URL('/', at.cell.link).href, { before: first });
+  let attempts = 0;
+  page.on('websocket', () => (attempts += 1));
+  await form().waitFor();
+  await form().getByLabel('Name').fill('anna');
+  const seen = attempts;
+  await until(() => attempts >= seen + 2, 60, 'two more attempts');
+  assert.equal(await form().getByLabel('Name').inputValue(), 'anna');
+  await page.context().close();
+  page = at.page;
 });
 
 test('a log-in ends although its page stays open, and the page says why', async () => {

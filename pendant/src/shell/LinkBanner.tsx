@@ -11,8 +11,10 @@ setTimeout(() => (late.value = true), 1500);
 /** Warns that the shown values are old. Hidden during the first connection, when there are no values yet. */
 export function LinkBanner() {
   const state = link.value;
-  if (state === 'open' || (state === 'connecting' && !late.value)) return null;
+  if (state === 'open') return null;
+  // Before the rest: the form keeps what was typed while the page tries to connect.
   if (mustLogIn.value) return <LogIn />;
+  if (state === 'connecting' && !late.value) return null;
   const refused = state === 'refused';
   return (
     <div class="banner bad" role="alert">
