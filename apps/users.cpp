@@ -125,7 +125,7 @@ int run_users(int argc, char** argv) {
   };
   for (CommandLine* sub : {named("add", "add a user; the password is asked, or read from standard input"),
                            named("role", "change the role of a user")})
-    sub->add_option("--role", a.role, "view, operate, program or administer")->required();
+    sub->add_option("--role", a.role, "watch, operate, program or administer")->required();
   named("remove", "remove a user");
   named("password", "change a password");
   app.footer(examples({"polyarm users add anna --role operate", "polyarm users list",

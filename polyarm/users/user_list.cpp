@@ -88,14 +88,14 @@ void require_good_name(const std::string& name) {
 }
 
 protocol::Role role_of_word(const std::string& word) {
-  if (word == "view") return protocol::Role::watch;
+  if (word == "view") return protocol::Role::watch;  // in files of earlier versions
   if (const auto role = protocol::role_named(word)) return *role;
   throw Error("bad-role", "there is no role '" + printable_line(word.substr(0, 60)) + "'",
-              "view, operate, program or administer");
+              "watch, operate, program or administer");
 }
 
 const char* word_of(protocol::Role role) {
-  return role == protocol::Role::watch ? "view" : protocol::name(role);
+  return protocol::name(role);
 }
 
 const User* UserList::find(const std::string& name) const {

@@ -24,7 +24,7 @@ struct User {
 
 /// Throws Error("bad-user"): a name begins with a letter and has letters, digits and . _ -
 void require_good_name(const std::string& name);
-/// The role of a word: view, operate, program, administer; watch is the same as view. Throws
+/// The role of a word: watch, operate, program, administer; view is the same as watch. Throws
 /// Error("bad-role").
 protocol::Role role_of_word(const std::string& word);
 /// The word for it.
