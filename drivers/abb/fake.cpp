@@ -58,7 +58,7 @@ CallbackReturn FakeAbb::on_init(const hardware::ComponentContext& context) {
     const auto [output, input] = wire_of(text);
     far_->with([&](Machine& machine) { machine.wire_output(output, input); });
   }
-  faults_ = wire::DueOrders(wire::parse_timed_orders(given("faults"), "e_stop@3"));
+  faults_ = wire::DueOrders(FarSide::timed_orders(given("faults")));
   hardware::ComponentContext own = wire::beside_its_controller(context);
   own.parameters["rws_port"] = std::to_string(far_->rws_port());
   own.parameters["egm_port"] = "0";
@@ -70,7 +70,7 @@ CallbackReturn FakeAbb::on_init(const hardware::ComponentContext& context) {
 }
 
 CallbackReturn FakeAbb::on_configure() {
-  const CallbackReturn done = AbbComponent::on_configure();
+  const CallbackReturn done = SimulatedComponent::on_configure();
   if (done == CallbackReturn::success) far_->send_egm_to("127.0.0.1", link()->egm_port());
   return done;
 }

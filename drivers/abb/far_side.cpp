@@ -1,6 +1,5 @@
 #include "drivers/abb/far_side.hpp"
 
-#include "drivers/wire/orders.hpp"
 #include "polyarm/base/error.hpp"
 
 namespace polyarm::abb {
@@ -83,6 +82,10 @@ void FarSide::send_egm_to(const std::string& host, int port) {
 
 std::string FarSide::kinds() {
   return wire::order_list(kKinds);
+}
+
+std::vector<wire::TimedOrder> FarSide::timed_orders(const std::string& text) {
+  return wire::parse_timed_orders(text, "e_stop@3", kKinds);
 }
 
 void FarSide::report(const std::string& text) const {

@@ -50,7 +50,7 @@ CallbackReturn FakeFanuc::on_init(const hardware::ComponentContext& context) {
     const auto [output, input] = wire::signal_wire(text, Machine::kPorts);
     far_->with([&](Machine& machine) { machine.wire_output(output, input); });
   }
-  faults_ = wire::DueOrders(wire::parse_timed_orders(given("faults"), "e_stop@3"));
+  faults_ = wire::DueOrders(FarSide::timed_orders(given("faults")));
   hardware::ComponentContext own = context;
   own.parameters["host"] = "127.0.0.1";
   own.parameters["stream_port"] = std::to_string(far_->stream_port());
@@ -85,11 +85,13 @@ std::vector<hardware::InterfaceDescription> FakeFanuc::command_interfaces() cons
 }
 
 CallbackReturn FakeFanuc::on_configure() {
+  if (far_) faults_.start(*far_);
   const CallbackReturn done = FanucComponent::on_configure();
   return done == CallbackReturn::success && world_ ? world_->configure() : done;
 }
 
 CallbackReturn FakeFanuc::on_activate() {
+  if (far_) faults_.start(*far_);
   const CallbackReturn done = FanucComponent::on_activate();
   if (done != CallbackReturn::success) return done;
   if (world_) world_->activate();

@@ -1,6 +1,5 @@
 #include "drivers/fanuc/far_side.hpp"
 
-#include "drivers/wire/orders.hpp"
 
 namespace polyarm::fanuc {
 
@@ -60,6 +59,10 @@ FarSide::FarSide(FarSideOptions options)
 
 std::string FarSide::kinds() {
   return wire::order_list(kKinds);
+}
+
+std::vector<wire::TimedOrder> FarSide::timed_orders(const std::string& text) {
+  return wire::parse_timed_orders(text, "e_stop@3 release@again reset@again", kKinds);
 }
 
 void FarSide::report(const std::string& text) const {

@@ -2,9 +2,11 @@
 /// A controller of FANUC, simulated down to its bytes: for tests, and for users without a robot.
 #include <functional>
 #include <string>
+#include <vector>
 
 #include "drivers/fanuc/far_services.hpp"
 #include "drivers/wire/far_clock.hpp"
+#include "drivers/wire/orders.hpp"
 
 namespace polyarm::fanuc {
 
@@ -35,6 +37,8 @@ class FarSide {
   void order(const std::string& fault);
   /// The kinds with their meaning, one a line.
   static std::string kinds();
+  /// The parameter `faults` of a driver with a controller of its own. Throws Error("bad-value").
+  static std::vector<wire::TimedOrder> timed_orders(const std::string& text);
 
   /// The controller's clock stands still; step() moves it.
   void hold_clock(bool on);

@@ -48,7 +48,7 @@ CallbackReturn FakeKuka::on_init(const hardware::ComponentContext& context) {
     const auto [output, input] = wire::signal_wire(text, static_cast<int>(kMostSignals));
     far_->with([&](Machine& machine) { machine.wire_output(output, input); });
   }
-  faults_ = wire::DueOrders(wire::parse_timed_orders(given("faults"), "e_stop@3"));
+  faults_ = wire::DueOrders(FarSide::timed_orders(given("faults")));
   hardware::ComponentContext own = wire::beside_its_controller(context);
   own.parameters["eki"] = "true";
   own.parameters["eki_port"] = std::to_string(far_->eki_port());
@@ -60,7 +60,7 @@ CallbackReturn FakeKuka::on_init(const hardware::ComponentContext& context) {
 }
 
 CallbackReturn FakeKuka::on_configure() {
-  const CallbackReturn done = KukaComponent::on_configure();
+  const CallbackReturn done = SimulatedComponent::on_configure();
   if (done == CallbackReturn::success) far_->send_rsi_to("127.0.0.1", link()->rsi_port());
   return done;
 }

@@ -49,7 +49,7 @@ CallbackReturn FakeUr::on_init(const hardware::ComponentContext& context) {
     far_->with(
         [&](Machine& machine) { machine.wire_output(static_cast<int>(*output), static_cast<int>(*input)); });
   }
-  faults_ = wire::DueOrders(wire::parse_timed_orders(given("faults"), "protective_stop@3"));
+  faults_ = wire::DueOrders(FarSide::timed_orders(given("faults")));
   hardware::ComponentContext own = context;
   own.parameters["host"] = "127.0.0.1";
   own.parameters["rtde_port"] = std::to_string(far_->rtde_port());
@@ -83,11 +83,13 @@ std::vector<hardware::InterfaceDescription> FakeUr::command_interfaces() const {
 }
 
 CallbackReturn FakeUr::on_configure() {
+  if (far_) faults_.start(*far_);
   const CallbackReturn done = UrComponent::on_configure();
   return done == CallbackReturn::success && world_ ? world_->configure() : done;
 }
 
 CallbackReturn FakeUr::on_activate() {
+  if (far_) faults_.start(*far_);
   const CallbackReturn done = UrComponent::on_activate();
   if (done != CallbackReturn::success) return done;
   if (world_) world_->activate();

@@ -5,7 +5,6 @@
 
 #include <algorithm>
 
-#include "drivers/wire/orders.hpp"
 #include "polyarm/realtime/periodic.hpp"
 
 namespace polyarm::ur {
@@ -69,6 +68,10 @@ FarSide::~FarSide() {
 
 std::string FarSide::kinds() {
   return wire::order_list(kKinds);
+}
+
+std::vector<wire::TimedOrder> FarSide::timed_orders(const std::string& text) {
+  return wire::parse_timed_orders(text, "protective_stop@3 normal@again", kKinds);
 }
 
 void FarSide::report(const std::string& text) const {

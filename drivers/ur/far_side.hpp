@@ -6,8 +6,10 @@
 #include <mutex>
 #include <string>
 #include <thread>
+#include <vector>
 
 #include "drivers/ur/far_services.hpp"
+#include "drivers/wire/orders.hpp"
 
 namespace polyarm::ur {
 
@@ -38,6 +40,8 @@ class FarSide {
   void order(const std::string& fault);
   /// The kinds with their meaning, one a line.
   static std::string kinds();
+  /// The parameter `faults` of a driver with a controller of its own. Throws Error("bad-value").
+  static std::vector<wire::TimedOrder> timed_orders(const std::string& text);
 
   /// The controller's clock stands still; step() moves it.
   void hold_clock(bool on);

@@ -32,14 +32,18 @@ Order parse_order(const std::string& text, std::span<const OrderKind> kinds) {
   return out;
 }
 
-std::vector<TimedOrder> parse_timed_orders(const std::string& text, const std::string& example) {
+std::vector<TimedOrder> parse_timed_orders(const std::string& text, const std::string& example,
+                                           std::span<const OrderKind> kinds) {
   std::vector<TimedOrder> out;
   for (const std::string& order : split_words(text, " ,;")) {
     const std::size_t at = order.find('@');
-    const auto time = at == std::string::npos ? std::nullopt : parse_number(order.substr(at + 1));
-    if (!time)
-      throw Error("bad-value", "'" + order + "' in `faults` is not KIND@SECONDS", "for example " + example);
-    out.push_back({order.substr(0, at), *time});
+    const std::string when = at == std::string::npos ? std::string() : order.substr(at + 1);
+    const auto time = parse_number(when);
+    if (!time && when != "again")
+      throw Error("bad-value", "'" + order + "' in `faults` is neither KIND@SECONDS nor KIND@again",
+                  "for example " + example);
+    parse_order(order.substr(0, at), kinds);
+    out.push_back({order.substr(0, at), time.value_or(0), !time});
   }
   return out;
 }

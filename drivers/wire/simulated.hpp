@@ -13,7 +13,7 @@
 
 namespace polyarm::wire {
 
-/// Faults in seconds since the first activation. One thread.
+/// Faults in seconds since the first activation, and what ends them. One thread.
 class DueOrders {
  public:
   DueOrders() = default;
@@ -22,8 +22,16 @@ class DueOrders {
   template <typename FarSide>
   void step(FarSide& far, double period) {
     for (TimedOrder& one : orders_)
-      if (!one.order.empty() && since_ >= one.at) far.order(std::exchange(one.order, ""));
+      if (!one.again && !one.order.empty() && since_ >= one.at) far.order(std::exchange(one.order, ""));
     since_ += period;
+  }
+  /// The driver starts (again): orders what ends the faults that were given.
+  template <typename FarSide>
+  void start(FarSide& far) {
+    for (TimedOrder& one : orders_) {
+      if (!one.again && !one.order.empty()) return;  // what follows belongs to a later fault
+      if (!one.order.empty()) far.order(std::exchange(one.order, ""));
+    }
   }
 
  private:

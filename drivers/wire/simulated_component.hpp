@@ -33,7 +33,12 @@ template <class Driver, class FarSide>
 class SimulatedComponent : public Driver {
  public:
   ~SimulatedComponent() override { SimulatedComponent::on_cleanup(); }
+  hardware::CallbackReturn on_configure() override {
+    if (far_) faults_.start(*far_);
+    return Driver::on_configure();
+  }
   hardware::CallbackReturn on_activate() override {
+    if (far_) faults_.start(*far_);
     const hardware::CallbackReturn done = Driver::on_activate();
     if (done != hardware::CallbackReturn::success) return done;
     far_->hold_clock(true);

@@ -42,7 +42,7 @@ CallbackReturn FakeXarm::on_init(const hardware::ComponentContext& context) {
     const auto [output, input] = wire::signal_wire(text, kMostSignals - 1, 0);
     far_->with([&, output = output, input = input](Machine& machine) { machine.wire_output(output, input); });
   }
-  faults_ = wire::DueOrders(wire::parse_timed_orders(wire::given(context, "faults"), "e_stop@3"));
+  faults_ = wire::DueOrders(FarSide::timed_orders(wire::given(context, "faults")));
   hardware::ComponentContext own = wire::beside_its_controller(context);
   own.parameters["command_port"] = std::to_string(far_->ports().command);
   own.parameters["report_port"] = std::to_string(far_->ports().real);

@@ -44,7 +44,7 @@ CallbackReturn FakeYaskawa::on_init(const hardware::ComponentContext& context) {
     const auto [output, input] = wire::signal_wire(text, kMostSignals);
     far_->with([&, output = output, input = input](Machine& machine) { machine.wire_output(output, input); });
   }
-  faults_ = wire::DueOrders(wire::parse_timed_orders(given("faults"), "e_stop@3"));
+  faults_ = wire::DueOrders(FarSide::timed_orders(given("faults")));
   hardware::ComponentContext own = wire::beside_its_controller(context);
   own.parameters["motion_port"] = std::to_string(far_->motion_port());
   own.parameters["state_port"] = std::to_string(far_->state_port());

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 
-#include "drivers/wire/orders.hpp"
 
 namespace polyarm::yaskawa {
 
@@ -75,6 +74,10 @@ FarSide::FarSide(FarSideOptions options)
 
 std::string FarSide::kinds() {
   return wire::order_list(kKinds);
+}
+
+std::vector<wire::TimedOrder> FarSide::timed_orders(const std::string& text) {
+  return wire::parse_timed_orders(text, "e_stop@3", kKinds);
 }
 
 void FarSide::report(const std::string& text) const {

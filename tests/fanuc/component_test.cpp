@@ -178,6 +178,14 @@ TEST(FanucComponent, RepeatedAndReorderedPacketsMoveNothing) {
   for (std::size_t i = 0; i < 6; ++i) EXPECT_NEAR(after[i], before[i], 1e-6);
 }
 
+TEST(FanucComponent, AnOrderedFaultEndsWhenTheDriverStartsAgain) {
+  FanucRig rig({{"faults", "e_stop@0.1 release@again reset@again"}});
+  ASSERT_TRUE(rig.start()) << rig.component.reason();
+  ASSERT_TRUE(rig.fails(500, [](int) {}));
+  ASSERT_TRUE(rig.start()) << rig.component.reason();
+  EXPECT_TRUE(rig.runs(100, [](int) {}));
+}
+
 TEST(FanucComponent, WrongParametersAreNamed) {
   EXPECT_THROW(fanuc::FanucComponent().on_init(fanuc_context()), Error) << "a host must be given";
   for (const char* range : {"0-3", "5-2", "1-65", "a", "1.5", "99999"})
@@ -186,6 +194,7 @@ TEST(FanucComponent, WrongParametersAreNamed) {
         << range;
   EXPECT_THROW(fanuc::FakeFanuc().on_init(fanuc_context({{"wires", "0=1"}})), Error);
   EXPECT_THROW(fanuc::FakeFanuc().on_init(fanuc_context({{"faults", "e_stop"}})), Error);
+  EXPECT_THROW(fanuc::FakeFanuc().on_init(fanuc_context({{"faults", "e_stopp@3"}})), Error);
   hardware::ComponentContext context = fanuc_context();
   context.period = 5'500'000;
   EXPECT_THROW(fanuc::FakeFanuc().on_init(context), Error);

@@ -136,6 +136,23 @@ TEST(UrComponent, VelocitiesMoveAndNoCommandHolds) {
   component.on_shutdown();
 }
 
+TEST(UrComponent, AnOrderedFaultEndsWhenTheDriverStartsAgain) {
+  UrRig rig(Parameters{{"faults", "protective_stop@0.1 normal@again protective_stop@0.3"}});
+  const auto still = [](int) {};
+  ASSERT_TRUE(rig.start()) << rig.component.reason();
+  ASSERT_TRUE(rig.fails(500, still));
+  EXPECT_EQ(rig.component.cause(), ur::Cause::protective_stop);
+  ASSERT_TRUE(rig.start()) << rig.component.reason();
+  ASSERT_TRUE(rig.runs(20, still));
+  ASSERT_TRUE(rig.fails(500, still)) << "the next fault comes at its time";
+  EXPECT_FALSE(rig.start()) << "nothing ends this one";
+}
+
+TEST(UrComponent, AFaultThatTheControllerDoesNotKnowIsRefusedAtOnce) {
+  for (const char* faults : {"protective_stopp@3", "protective_stop", "protective_stop@soon", "@again"})
+    EXPECT_THROW(ur::FakeUr().on_init(ur_context({{"faults", faults}})), Error) << faults;
+}
+
 TEST(UrComponent, OutputsAreWrittenWhenTheyChangeAndReadBack) {
   UrRig rig(Parameters{{"wires", "0=5"}});
   ASSERT_TRUE(rig.start()) << rig.component.reason();
