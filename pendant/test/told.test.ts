@@ -4,6 +4,7 @@ import supervisor from '../../polyarm/control/supervisor.cpp?raw';
 
 vi.stubGlobal('navigator', { language: 'en', userAgent: '' });
 const {causeWords, kSaysAll, lineWords, noteWords, plain, problemWords} = await import('../src/i18n/told');
+const { kDeviceRows } = await import('../src/i18n/device');
 const { settings } = await import('../src/state/settings');
 const {en} = await import('../src/i18n/en');
 const {es} = await import('../src/i18n/es');
@@ -29,6 +30,31 @@ const inBoth = (say: () => string) => ['en', 'es'].map(
 
 beforeEach(() => {
   settings.language.value = 'en';
+});
+
+describe('what drivers tell', () => {
+  const drivers = Object.values(import.meta.glob('../../drivers/{ur,fanuc,abb,kuka,yaskawa,xarm,wire}/{words,tcp}.cpp', { query: '?raw', import: 'default', eager: true }) as Record<string, string>);
+  /** The texts of each file in one line: sentences are written in pieces, with names between them. */
+  const written = drivers.map((text) => [...text.matchAll(/"((?:[^"\\\n]|\\.)*)"/g)].map(([, piece]) => piece).join(''));
+
+  it('has no row that no driver says any more', () => {
+    expect(written.length).toBe(8);
+    for (const [key, pattern] of kDeviceRows) {
+      const free = new RegExp(pattern.source.replaceAll('^', '').replaceAll(' .* ', '.{0,80}'));
+      expect(written.some((each) => free.test(each)), key).toBe(true);
+    }
+  });
+
+  it('is said in Spanish, with the address and the number', () => {
+    const stop = 'the controller at 10.0.0.7 made a protective stop: look what the arm touched (it says: C153A0)';
+    const fault = (reason: string) => problemWords({ code: 'fault', what: '', facts: { cause: 'component', component: 'arm', reason } }).detail;
+    expect(fault(stop)).toBe(stop);
+    settings.language.value = 'es';
+    expect(fault(stop)).toMatch(/^El controlador en 10\.0\.0\.7 hizo una parada de protección/);
+    expect(fault('the controller at 10.0.0.7 stopped for a collision (C31): currents; then recover here')).toMatch(/\(C31\)$/);
+    expect(fault('the fence of the controller at 10.0.0.7 is open: close it')).toMatch(/protección del controlador en 10/);
+    expect(fault('its cable is chewed')).toBe('its cable is chewed');
+  });
 });
 
 describe('what the cell tells', () => {

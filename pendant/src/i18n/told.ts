@@ -4,6 +4,7 @@
  */
 import {type Key, language, number, t, word} from '.';
 import {jointText} from '../ui/format';
+import { deviceWords } from './device';
 import { en } from './en';
 
 /** Values of a sentence. The name of a number ends with its unit: depth_m, moved_rad, time_s. */
@@ -115,7 +116,7 @@ export function problemWords({code, what, advice, facts = {}}: Problem): Told {
   const todo = remedy ? t(remedy) : plain(advice ?? '');
   const whole = sentence(code, facts);
   if (whole !== null) {
-    const reason = typeof facts.reason === 'string' ? plain(facts.reason) : '';
+    const reason = typeof facts.reason === 'string' ? deviceWords(plain(facts.reason)) : '';
     return {text: whole, detail: whole.includes(reason) ? '' : reason, advice: todo};
   }
   const said = known(`told.${code}`) ? t(`told.${code}` as Key) : own || t('told.refused');

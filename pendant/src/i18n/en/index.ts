@@ -1,5 +1,6 @@
 import {cell} from './cell';
 import {codes} from './codes';
+import {device} from './device';
 import {health} from './health';
 import {move} from './move';
 import {plots} from './plots';
@@ -23,5 +24,6 @@ export const en = {
   ...health,
   ...cell,
   ...told,
+  ...device,
   ...codes
 };

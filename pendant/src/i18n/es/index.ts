@@ -1,6 +1,7 @@
 import type { en } from '../en';
 import { cell } from './cell';
 import {codes} from './codes';
+import { device } from './device';
 import { health } from './health';
 import { move } from './move';
 import { program } from './program';
@@ -24,5 +25,6 @@ export const es: Record<keyof typeof en, string> = {
   ...health,
   ...cell,
   ...told,
+  ...device,
   ...codes
 };
