@@ -18,7 +18,7 @@ export const device: Record<keyof typeof English, string> = {
   'device.unreachable': 'No se puede alcanzar {where}. Revise el cable, la alimentación y la dirección.',
   'device.silent': '{where} ya no envía nada. Revise el cable, la alimentación y el cortafuegos.',
   'device.closed': '{where} cerró su conexión: se apagó o se reinició. Recupere aquí cuando esté listo.',
-  'device.loopSilent': 'El bucle de control no dio ninguna orden a tiempo y el robot se detuvo. Mire en la página Diagnóstico qué lo retrasa.',
+  'device.loopSilent': 'El lazo de control no dio ninguna orden a tiempo y el robot se detuvo. Mire en la página Diagnóstico qué lo retrasa.',
   'device.commandsLate': '{where} no recibió ninguna orden a tiempo. Use un cable y quite otra carga de este ordenador.',
   'device.jump': 'Una orden estaba demasiado lejos para un ciclo. No se envió y el robot se detuvo.',
   'device.tooFast': 'Un eje recibió órdenes más rápidas de lo que permite el controlador, y el robot se detuvo. Baje los límites del robot en la celda.',

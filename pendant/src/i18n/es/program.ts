@@ -88,7 +88,7 @@ export const program: Record<keyof typeof en, string> = {
   'program.fromLine': 'Ejecutar desde la línea {line}',
   'program.fromHere': 'Ejecutar desde aquí',
   'program.breakpoint': 'Punto de parada',
-  'program.breakpointAt': 'Punto de parada en la línea {line}',
+  'program.breakpointAt': 'Parada en la línea {line}',
   'program.fromTitle': '¿Empezar en la línea {line}?',
   'program.fromDo': 'Empezar en la línea {line}',
   'program.fromText': 'Las líneas anteriores se saltan. El programa da por hecho lo siguiente:',
