@@ -66,6 +66,9 @@ test('a cell that cannot be built says so, and another one can be opened', async
   await page.getByRole('dialog').getByText('It accesses nothing outside its folder.').waitFor();
   await page.getByRole('dialog').getByRole('button', { name: 'Open', exact: true }).click();
   await state(page).getByText('No cell runs').waitFor();
+  await go(page, 'Run');
+  await button('Start the cell again', page.getByRole('main')).waitFor();
+  await button('Open a project', page.getByRole('main')).click();
   await tab('Cell');
   await page.getByRole('main').getByText('No cell is open').waitFor();
   assert.ok(await button('Pause').isDisabled(), 'there is nothing to pause');

@@ -34,7 +34,9 @@ export function AlarmStrip() {
   if (!connected.value) return null;
   if (afterContact()) return <WayBack />;
   const unseen = alarms.value.filter((each) => !each.seen);
-  const alarm = unseen.filter((each) => each.severity === 'error').pop() ?? unseen[unseen.length - 1];
+  const errors = unseen.filter((each) => each.severity === 'error');
+  // A cell that could not start has all errors of its files: people mend the first one first.
+  const alarm = (status.value?.state === 'no cell' ? errors[0] : errors[errors.length - 1]) ?? unseen[unseen.length - 1];
   if (!alarm) return null;
   const told = problemWords(alarm);
   const advice = alarm.code === 'fault' ? afterFault() : told.advice;
@@ -42,6 +44,7 @@ export function AlarmStrip() {
     <section class={`alarm-strip ${alarm.severity}`} role="alert" aria-label={t('alarms.strip')}>
       <Icon name="alarm" size={22} />
       <p>
+        {alarm.where && <code>{alarm.where} </code>}
         <strong>{told.text}</strong>
         {(told.detail || advice) && <span> {[told.detail, advice].filter(Boolean).join(' · ')}</span>}
       </p>

@@ -1,7 +1,8 @@
 import { t } from '../../i18n';
 import { blockedWords } from '../../shell/blocked';
 import { step } from '../../state/actions';
-import { attempt, pausing, status, ways } from '../../state/cell';
+import { go } from '../../shell/route';
+import { attempt, mayMove, pausing, status, ways } from '../../state/cell';
 import { canBe } from '../../state/ways';
 import { ask } from '../../ui/ask';
 import { Button } from '../../ui/controls';
@@ -32,6 +33,7 @@ async function start(): Promise<void> {
  * Step.
  */
 export function Keys() {
+  if (status.value?.state === 'no cell') return <WithoutCell />;
   const it = status.value?.program;
   const now = ways.value;
   if (now.going)
@@ -47,6 +49,17 @@ export function Keys() {
     <div key="start" class="run-keys">
       <Button label={t('run.start')} icon="run" tone="good" big disabled={nothing || !canBe(now.start)} class="main" onClick={() => void start()} />
       {why && <p class="note">{why}</p>}
+    </div>
+  );
+}
+
+/** The cell could not be started: the same ways on as on the Cell page. */
+function WithoutCell() {
+  return (
+    <div key="none" class="run-keys">
+      <p class="note">{t('cell.noneOpenText')}</p>
+      <Button label={t('cell.toProjects')} icon="folder" tone="primary" big onClick={() => go('cell')} />
+      <Button label={t('cell.tryAgain')} icon="repeat" big disabled={!mayMove.value} onClick={() => void attempt('cell.restart')} />
     </div>
   );
 }
