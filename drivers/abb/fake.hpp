@@ -11,10 +11,10 @@
 namespace polyarm::abb {
 
 /// The driver's parameters apply, except host and ports; `rws` chooses the version of Robot Web Services.
-/// `wires: doA=diB` connects outputs to inputs. `faults: KIND@SECOND KIND@again …` orders faults of FarSide, in seconds
-/// since the first activation. While the component is active, the controller's clock stands still between two
-/// cycles of the loop, and signals are exchanged every 12 cycles, so that a run repeats itself, as fast as
-/// the machine can.
+/// `wires: doA=diB` connects outputs to inputs. `faults: KIND@SECOND KIND@again …` orders faults of FarSide,
+/// in seconds since the first activation. While the component is active, the controller's clock stands still
+/// between two cycles of the loop, and signals are exchanged every 12 cycles, so that a run repeats itself,
+/// as fast as the machine can.
 class FakeAbb : public wire::SimulatedComponent<AbbComponent, FarSide> {
  public:
   FakeAbb() {

@@ -1,6 +1,5 @@
 #include "drivers/fanuc/far_side.hpp"
 
-
 namespace polyarm::fanuc {
 
 namespace {

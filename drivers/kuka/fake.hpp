@@ -9,8 +9,8 @@
 namespace polyarm::kuka {
 
 /// The driver's parameters apply, except host and ports. `wires: 1=1 2=5` connects outputs to inputs, as
-/// OUTPUT=INPUT. `faults: KIND@SECOND KIND@again …` orders faults of FarSide, in seconds since the first activation.
-/// While the component is active, states and outputs are exchanged every 12 cycles.
+/// OUTPUT=INPUT. `faults: KIND@SECOND KIND@again …` orders faults of FarSide, in seconds since the first
+/// activation. While the component is active, states and outputs are exchanged every 12 cycles.
 class FakeKuka : public wire::SimulatedComponent<KukaComponent, FarSide> {
  public:
   FakeKuka() {

@@ -11,9 +11,9 @@ namespace polyarm::ur {
 
 /// The driver's parameters apply, except host and ports. `wires: 0=0 1=3` connects outputs to inputs, as
 /// OUTPUT=INPUT. `world: mock` or `world: mujoco` simulates tool, parts and machines around the robot, with
-/// their interfaces. `faults: KIND@SECOND KIND@again …` orders faults of FarSide, in seconds since the first activation.
-/// While the component is active, the controller's clock stands still between two cycles of the loop, so that
-/// a run repeats itself, as fast as the machine can.
+/// their interfaces. `faults: KIND@SECOND KIND@again …` orders faults of FarSide, in seconds since the first
+/// activation. While the component is active, the controller's clock stands still between two cycles of the
+/// loop, so that a run repeats itself, as fast as the machine can.
 class FakeUr : public UrComponent {
  public:
   FakeUr() { paced_ = false; }

@@ -27,8 +27,8 @@ struct TimedOrder {
   double at = 0;       ///< s; unused if `again`
   bool again = false;  ///< given when the driver starts again after the orders before it
 };
-/// `KIND@SECONDS …`, the parameter `faults` of a simulated controller inside a driver. `KIND@again` ends a fault:
-/// it is given when the driver starts again.
+/// `KIND@SECONDS …`, the parameter `faults` of a simulated controller inside a driver. `KIND@again` ends a
+/// fault: it is given when the driver starts again.
 std::vector<TimedOrder> parse_timed_orders(const std::string& text, const std::string& example,
                                            std::span<const OrderKind> kinds);
 

@@ -9,9 +9,9 @@
 namespace polyarm::xarm {
 
 /// The driver's parameters apply, except host and ports. `wires: 0=0 2=5` connects outputs to inputs, as
-/// OUTPUT=INPUT. `faults: KIND@SECOND KIND@again …` orders faults of FarSide, in seconds since the first activation.
-/// While the component is active, one cycle of the controller is one cycle of the loop, a report comes in
-/// each of them, and the rest is exchanged every 12 cycles.
+/// OUTPUT=INPUT. `faults: KIND@SECOND KIND@again …` orders faults of FarSide, in seconds since the first
+/// activation. While the component is active, one cycle of the controller is one cycle of the loop, a report
+/// comes in each of them, and the rest is exchanged every 12 cycles.
 class FakeXarm : public wire::SimulatedComponent<XarmComponent, FarSide> {
  public:
   FakeXarm() { stepped_link_ = true; }

@@ -9,9 +9,9 @@
 namespace polyarm::yaskawa {
 
 /// The driver's parameters apply, except host and ports. `wires: 1=1 2=5` connects outputs to inputs, as
-/// OUTPUT=INPUT. `faults: KIND@SECOND KIND@again …` orders faults of FarSide, in seconds since the first activation.
-/// While the component is active, one interpolation cycle of the controller is one cycle of the loop, states
-/// come in each of them, and the rest is exchanged every 12 cycles.
+/// OUTPUT=INPUT. `faults: KIND@SECOND KIND@again …` orders faults of FarSide, in seconds since the first
+/// activation. While the component is active, one interpolation cycle of the controller is one cycle of the
+/// loop, states come in each of them, and the rest is exchanged every 12 cycles.
 class FakeYaskawa : public wire::SimulatedComponent<YaskawaComponent, FarSide> {
  public:
   FakeYaskawa() { stepped_link_ = true; }

@@ -38,7 +38,8 @@ TEST(UserList, IsReadAsItWasWritten) {
   EXPECT_EQ(read.find("anna")->role, Role::administer);
   EXPECT_EQ(read.find("Bob.2")->role, Role::watch);
   EXPECT_EQ(read.find("Bob.2")->hash, kHash);
-  EXPECT_NE(read.text().find("Bob.2 watch "), std::string::npos) << "the role has its one name: " << read.text();
+  EXPECT_NE(read.text().find("Bob.2 watch "), std::string::npos)
+      << "the role has its one name: " << read.text();
   EXPECT_EQ(parse_users(read.text()).text(), read.text());
   struct stat status {};
   ASSERT_EQ(::stat(file.c_str(), &status), 0);
