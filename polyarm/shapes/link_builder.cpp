@@ -34,7 +34,12 @@ struct Mouth {
 class LinkBuilder {
  public:
   LinkBuilder(const RigidBody& body, const Style& style, const Rank& rank, double travel)
-      : body_(body), style_(style), rank_(rank), travel_(travel), paint_(paint_for(style, rank)) {}
+      : body_(body),
+        style_(style),
+        rank_(rank),
+        travel_(travel),
+        paint_(paint_for(style, rank)),
+        housing_(style.housing ? *style.housing : paint_) {}
 
   meshes::Mesh build() {
     if (!body_.has_in) {
@@ -88,7 +93,7 @@ class LinkBuilder {
         servo(end, end.from + tight, end.to - tight);
       else
         solid_.drum(frame(end), end.from + tight, end.to - tight, r, style_.edge * r * 0.6,
-                    style_.edge * r * 0.6, paint_);
+                    style_.edge * r * 0.6, housing_);
       // The axle reaches into the cheeks, so that no gap is visible.
       const double axle = 0.72 * std::min(r, end.other_radius),
                    cheek = std::min(into, 0.16 * (end.to - end.from));
@@ -111,7 +116,7 @@ class LinkBuilder {
     if (style_.build == Build::servo && !in)
       servo(end, begin, stop);
     else
-      solid_.drum(frame(end), begin, stop, r, 0.05 * r, edge, paint_);
+      solid_.drum(frame(end), begin, stop, r, 0.05 * r, edge, housing_);
     if (covered) cover(end, stop, side, dome);
     if (in) return;
     // The dark ring between the two housings. It belongs to this body and reaches into the other one.
@@ -447,6 +452,7 @@ class LinkBuilder {
   const Rank& rank_;
   const double travel_;
   const Paint& paint_;
+  const Paint& housing_;  ///< of the drums around the joints
   Solid solid_;
 };
 

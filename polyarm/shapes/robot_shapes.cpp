@@ -20,7 +20,7 @@ using description::ShapeKind;
 namespace {
 
 /// Change this whenever the shapes change, so that browsers load them again.
-constexpr const char* kFormat = "shapes/1";
+constexpr const char* kFormat = "shapes/2";
 
 /// For each body: the number of joints from the base to it, and to the tip of the arm.
 std::vector<Rank> ranks(const Skeleton& skeleton) {

@@ -31,24 +31,29 @@ struct Row {
   Build build;
   Paint base, body, fore, wrist, joint, cap;
   double edge, tube, corner, cap_size, dome;
+  std::optional<Paint> housing = std::nullopt;
 };
 
 constexpr Paint kFanucYellow = paint(0xF7C600, 0.42f), kFanucGreen = paint(0x6FA83A, 0.45f),
                 kAbbWhite = paint(0xE9E8E4, 0.42f), kAbbOrange = paint(0xF2570F, 0.45f),
                 kKukaOrange = paint(0xFF5A0A, 0.42f), kYaskawaBlue = paint(0x0A55A8, 0.42f),
                 kUrBody = paint(0xC6CACE, 0.36f, 0.35f), kUrCap = paint(0x6CA9D2, 0.45f),
-                kStaubliYellow = paint(0xF0B61E, 0.42f), kFilament = paint(0xF5A81C, 0.62f);
+                kUrHousing = paint(0x47494C, 0.42f), kCrxGreen = paint(0x2EA43A, 0.45f),
+                kIiwaOrange = paint(0xFF6A13, 0.45f), kStaubliYellow = paint(0xF0B61E, 0.42f),
+                kFilament = paint(0xF5A81C, 0.62f);
 
 // name, maker, models, build, base, body, fore, wrist, joint ring, cover, edge, tube, corner, cover size,
 // dome
 constexpr std::array kRows{
+    Row{"universal_robots_dark", "Universal Robots", "UR3|UR5|UR7|UR10|UR12|UR16", Build::cobot, kUrHousing,
+        kUrBody, kUrBody, kUrHousing, kDark, kUrCap, 0.16, 0.70, 1, 0.93, 0.22, kUrHousing},
     Row{"universal_robots", "Universal Robots", "", Build::cobot, kUrBody, kUrBody, kUrBody, kUrBody, kDark,
         kUrCap, 0.16, 0.80, 1, 0.93, 0.16},
-    Row{"fanuc_crx", "FANUC", "CRX", Build::cobot, kWhite, kWhite, kWhite, kWhite, kBlack, paint(0x3B3F43),
+    Row{"fanuc_crx", "FANUC", "CRX", Build::cobot, paint(0x3B3F43), kWhite, kWhite, kWhite, kCrxGreen, kWhite,
         0.34, 0.88, 1, 0.84, 0.10},
     Row{"fanuc_cr", "FANUC", "CR-", Build::cast, kFanucGreen, kFanucGreen, kFanucGreen, kFanucGreen, kDark,
         kFanucGreen, 0.22, 0.86, 0.7, 0.8, 0.12},
-    Row{"fanuc_lr_mate", "FANUC", "LR Mate|ER-", Build::cast, kFanucYellow, kFanucYellow, kFanucYellow,
+    Row{"fanuc_lr_mate", "FANUC", "LR Mate|ER-", Build::cast, kSlate, kFanucYellow, kFanucYellow,
         kFanucYellow, kDark, kFanucYellow, 0.22, 0.86, 0.62, 0.80, 0.14},
     Row{"fanuc_paint", "FANUC", "P-", Build::cast, kPearl, kPearl, kPearl, kSlate, kDark, kPearl, 0.16, 0.84,
         0.5, 0.8, 0.1},
@@ -64,7 +69,7 @@ constexpr std::array kRows{
         0.85, 0.5, 0.80, 0.14},
     Row{"kuka_lbr", "KUKA", "LBR iiwa|LBR Med", Build::soft, paint(0xC9CCCE, 0.35f, 0.25f),
         paint(0xDADCDD, 0.34f, 0.2f), paint(0xDADCDD, 0.34f, 0.2f), paint(0xDADCDD, 0.34f, 0.2f),
-        paint(0xFF6A13, 0.45f), paint(0xC2C6C9, 0.34f, 0.3f), 0.42, 0.95, 1, 0.78, 0.06},
+        paint(0xC2C6C9, 0.34f, 0.3f), kIiwaOrange, 0.42, 0.95, 1, 0.78, 0.06},
     Row{"kuka_iisy", "KUKA", "LBR iisy", Build::soft, kWhite, kWhite, kWhite, kWhite, kDark, kKukaOrange, 0.4,
         0.92, 1, 0.8, 0.08},
     Row{"kuka_small", "KUKA", "KR 3 |KR 4 |KR 6 R|KR 7|KR 10 R9|KR 10 R11|KR 13|KR 16 R11", Build::cast,
@@ -195,6 +200,7 @@ Style style_from(const Row& row) {
   out.corner = row.corner;
   out.cap_size = row.cap_size;
   out.dome = row.dome;
+  out.housing = row.housing;
   return out;
 }
 

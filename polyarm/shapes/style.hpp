@@ -1,6 +1,7 @@
 #pragma once
 /// The look of a maker's arms: proportions, colours and finish of a family, described from public knowledge.
 /// No side effects; any thread.
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -25,6 +26,7 @@ struct Style {
   Paint base, body, fore, wrist;  ///< of the plinth, the links up to the elbow, the forearm, and beyond it
   Paint joint;                    ///< of the housings' rings between two links
   Paint cap;                      ///< of the covers at the ends of the housings
+  std::optional<Paint> housing;   ///< of the housings; empty: that of the link
   Paint flange{{0.72f, 0.73f, 0.75f}, 0.3f, 0.9f};
   double edge = 0.25;     ///< rounding of housings, relative to their radius
   double tube = 0.85;     ///< thickness of a link in its middle, relative to its housings

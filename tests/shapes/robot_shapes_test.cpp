@@ -207,6 +207,14 @@ TEST(RobotShapes, MakersDifferInColour) {
   EXPECT_GT(color("fanuc/lr_mate_200id")[0], 0.9f);
   EXPECT_LT(color("fanuc/lr_mate_200id")[2], 0.2f) << "yellow";
   EXPECT_GT(color("yaskawa/gp7")[2], color("yaskawa/gp7")[0]) << "blue";
+  const auto style = [](const char* name) {
+    Problems problems;
+    return style_of(catalogue().load(name), problems);
+  };
+  EXPECT_LT(style("universal_robots/ur5e").housing->color[0], style("universal_robots/ur5e").body.color[0])
+      << "dark joints between light tubes";
+  EXPECT_FALSE(style("abb/irb_120").housing) << "one paint for joints and links";
+  EXPECT_GT(style("fanuc/crx_10ia").joint.color[1], style("fanuc/crx_10ia").joint.color[0]) << "green rings";
   EXPECT_NE(color("abb/irb_120"), color("abb/irb_6640_185_2_8")) << "white, and the older orange";
 }
 
