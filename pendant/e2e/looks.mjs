@@ -156,6 +156,15 @@ test('is in use after less than 400 kB, compressed', async (t) => {
   await context.close();
 });
 
+test('the gripper has a look of its own', async () => {
+  const headers = { Authorization: `Bearer ${at.cell.token}` };
+  const get = (path) => fetch(`http://127.0.0.1:${at.cell.port}${path}`, { headers });
+  const { tool } = await (await get('/api/model/arm')).json();
+  assert.deepEqual(tool.visuals.map((each) => [each.shape, each.node]), [['mesh', 'body']]);
+  const bytes = Buffer.from(await (await get(tool.visuals[0].mesh)).arrayBuffer());
+  assert.equal(bytes.toString('latin1', 0, 4), 'glTF');
+});
+
 test('without a connection the words on Stop have room, in both languages', async () => {
   const pages = [];
   for (const [size, [width, height]] of Object.entries(kScreens))

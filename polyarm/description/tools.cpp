@@ -49,6 +49,49 @@ Tool parallel_gripper() {
   return tool;
 }
 
+Shape box_along_z(double from, double to, double x, double y) {
+  Shape out;
+  out.kind = ShapeKind::box;
+  out.size = {x, y, to - from};
+  out.pose.position.z = (from + to) / 2;
+  return out;
+}
+
+/// Robotiq 2F-85 with its coupling. Stroke, height to the closed fingertips, mass, force and speed are
+/// recalled from the maker's manual; the shapes are estimates.
+Tool robotiq_2f_85() {
+  Tool tool;
+  tool.name = "robotiq_2f_85";
+  tool.tcp.position.z = 0.1628;
+  tool.mass = 0.925;
+  tool.center = {0, 0, 0.058};
+  tool.gripper = GripperKind::parallel;
+  tool.stroke = 0.085;
+  tool.grip_force = 100;
+  tool.finger_length = 0.0375;
+  tool.finger_width = 0.022;
+  tool.closing_speed = 0.075;
+  tool.body = {cylinder_along_z(0, 0.05, 0.0375), box_along_z(0.05, 0.1, 0.036, 0.086)};
+  return tool;
+}
+
+/// Robotiq Hand-E with its coupling and basic fingertips. The sources are those of the 2F-85.
+Tool robotiq_hand_e() {
+  Tool tool;
+  tool.name = "robotiq_hand_e";
+  tool.tcp.position.z = 0.157;
+  tool.mass = 1.07;
+  tool.center = {0, 0, 0.056};
+  tool.gripper = GripperKind::parallel;
+  tool.stroke = 0.05;
+  tool.grip_force = 100;
+  tool.finger_length = 0.022;
+  tool.finger_width = 0.022;
+  tool.closing_speed = 0.075;
+  tool.body = {cylinder_along_z(0, 0.075, 0.0375), box_along_z(0.075, 0.116, 0.044, 0.074)};
+  return tool;
+}
+
 double positive(const Yaml& yaml, Dimension dimension, double fallback) {
   const double value = yaml.number(dimension, fallback);
   if (!(value > 0))
@@ -68,7 +111,8 @@ GripperKind gripper_of(const Yaml& yaml) {
 }  // namespace
 
 const std::vector<std::string>& built_in_tools() {
-  static const std::vector<std::string> names = {"none", "suction_cup", "parallel_gripper"};
+  static const std::vector<std::string> names = {"none", "suction_cup", "parallel_gripper", "robotiq_2f_85",
+                                                 "robotiq_hand_e"};
   return names;
 }
 
@@ -126,6 +170,8 @@ Tool find_tool(const std::string& name, const std::string& folder) {
   if (name.empty() || name == "none") return Tool{};
   if (name == "suction_cup") return suction_cup();
   if (name == "parallel_gripper") return parallel_gripper();
+  if (name == "robotiq_2f_85") return robotiq_2f_85();
+  if (name == "robotiq_hand_e") return robotiq_hand_e();
   for (const std::string& file : {name, name + ".yaml"}) {
     const auto path = std::filesystem::path(folder) / file;
     std::error_code error;

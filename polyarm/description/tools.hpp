@@ -12,7 +12,7 @@ namespace polyarm::description {
 /// Thickness of the finger pads of a parallel gripper, m; each lies outside of the gap.
 inline constexpr double kFingerThickness = 0.008;
 
-/// The names of the built-in tools: none, suction_cup, parallel_gripper.
+/// The names of the built-in tools, "none" first.
 const std::vector<std::string>& built_in_tools();
 /// A built-in tool, or the tool file `name` (or `name.yaml`) in `folder` (`polyarm: tool/1`). Throws Error
 /// with similar names.

@@ -12,6 +12,7 @@
 #include "polyarm/meshes/robot_meshes.hpp"
 #include "polyarm/protocol/reference.hpp"
 #include "polyarm/shapes/robot_shapes.hpp"
+#include "polyarm/shapes/tool_shapes.hpp"
 
 namespace polyarm::server {
 
@@ -153,6 +154,25 @@ Json joint_json(const description::RobotModel& model, const description::Joint& 
   return out;
 }
 
+/// Address of the GLB with the look of a gripper; empty for a tool that is drawn with its own shapes.
+std::string address_of(const description::Tool& tool) {
+  return shapes::tool_shapes(tool).empty() ? std::string()
+                                           : "/api/mesh/" + shapes::tool_shapes_hash(tool) + ".glb";
+}
+
+/// The visuals of a tool, in the frame of its flange. `slide`: how far one moves for each m between the pads.
+Json tool_visuals(const description::Tool& tool) {
+  const std::string address = address_of(tool);
+  if (address.empty()) return shapes_json(tool.body, kTool);
+  Json out = Json::array();
+  for (const shapes::ToolShape& each : shapes::tool_shapes(tool)) {
+    Json one{{"shape", "mesh"}, {"mesh", address}, {"node", each.name}, {"origin", pose_json({})}};
+    if (norm(each.slide) > 0) one["slide"] = vec(each.slide);
+    out.push_back(std::move(one));
+  }
+  return out;
+}
+
 Json tool_json(const description::Tool& tool) {
   constexpr const char* kGrippers[] = {"none", "suction", "parallel"};
   return {{"name", tool.name},
@@ -163,7 +183,7 @@ Json tool_json(const description::Tool& tool) {
           {"cup_radius", tool.cup_radius},
           {"mass", tool.mass},
           {"tcp", pose_json(tool.tcp)},
-          {"visuals", shapes_json(tool.body, kTool)}};
+          {"visuals", tool_visuals(tool)}};
 }
 
 Json robot_joints_json(const cell::CellRobot& robot) {
@@ -331,6 +351,13 @@ Json scene_json(const cell::CellView& cell) {
 
 Json requests_json() {
   return protocol::any_of(protocol::help_rows()).json();
+}
+
+std::map<std::string, description::Tool> grippers_of(const cell::CellView& cell) {
+  std::map<std::string, description::Tool> out;
+  for (const auto& robot : cell.robots())
+    if (const std::string address = address_of(robot->tool); !address.empty()) out[address] = robot->tool;
+  return out;
 }
 
 std::map<std::string, description::RobotModel> meshes_of(const cell::CellView& cell) {

@@ -29,6 +29,9 @@ Json requests_json();
 /// ("/api/mesh/<hash>.glb"); the value is a robot, or a robot with one link for a single mesh.
 std::map<std::string, description::RobotModel> meshes_of(const cell::CellView& cell);
 
+/// The same for the generated looks of grippers.
+std::map<std::string, description::Tool> grippers_of(const cell::CellView& cell);
+
 std::string dump(const Json& json);
 
 }  // namespace polyarm::server

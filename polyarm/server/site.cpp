@@ -14,6 +14,7 @@
 #include "polyarm/server/sessions.hpp"
 #include "polyarm/server/viewers.hpp"
 #include "polyarm/shapes/robot_shapes.hpp"
+#include "polyarm/shapes/tool_shapes.hpp"
 
 namespace polyarm::server {
 
@@ -75,6 +76,7 @@ void PageSite::show(cell::CellView& cell) {
   for (const auto& robot : cell.robots())
     made->by_path["/api/model/" + robot->entry.name] = text_of(dump(model_json(*robot)));
   made->meshes = meshes_of(cell);
+  made->grippers = grippers_of(cell);
   made->mesh_cache = cell.file().folder / ".state" / "meshes";
   made->folder = cell.file().folder;
   made->cell = cell.file().name;
@@ -279,11 +281,12 @@ bool PageSite::later(const HttpRequest& request, const Reply& reply) {
   if (options_.catalogue && path == kCatalogue) job = [this] { return catalogue(); };
   if (options_.catalogue && options_.picture && path.starts_with("/api/catalogue/") && path.ends_with(".svg"))
     job = [this, path] { return picture(path); };
-  if (const auto shown = documents(); shown->meshes.contains(path))
-    job = [this, shown, path, gzip = request.gzip] {
-      return shapes::has_no_look(shown->meshes.at(path)) ? made_shapes(*shown, path, gzip)
-                                                         : meshes(*shown, path);
-    };
+  const auto shown = documents();
+  const auto meshed = shown->meshes.find(path);
+  if (meshed != shown->meshes.end() && !shapes::has_no_look(meshed->second))
+    job = [this, shown, path] { return meshes(*shown, path); };
+  else if (meshed != shown->meshes.end() || shown->grippers.contains(path))
+    job = [this, shown, path, gzip = request.gzip] { return made_shapes(*shown, path, gzip); };
   if (!job) return false;
   post(std::move(job), reply);
   return true;
@@ -340,10 +343,14 @@ void PageSite::project(HttpRequest request, const Reply& reply) {
       reply);
 }
 
-/// The generated shapes of a robot; kept compressed while the cell is shown.
+/// The generated shapes of a robot or gripper; kept compressed while the cell is shown.
 HttpReply PageSite::made_shapes(const Documents& shown, const std::string& path, bool gzip) {
   Text& kept = shown.made[path];
-  if (!kept) kept = text_of(zipped(shapes::robot_glb(shown.meshes.at(path))));
+  if (!kept) {
+    const auto gripper = shown.grippers.find(path);
+    kept = text_of(zipped(gripper != shown.grippers.end() ? shapes::tool_glb(gripper->second)
+                                                          : shapes::robot_glb(shown.meshes.at(path))));
+  }
   HttpReply out = document(gzip ? kept : text_of(unzipped(*kept)), "model/gltf-binary");
   out.gzip = gzip;
   out.headers = {{"Cache-Control", "private, max-age=31536000, immutable"}, {"Vary", "Accept-Encoding"}};

@@ -51,13 +51,14 @@ class PageSite : public Site {
   struct Documents {
     std::map<std::string, Text> by_path;
     std::map<std::string, description::RobotModel> meshes;
+    std::map<std::string, description::Tool> grippers;  ///< with a generated look, by its address
     std::filesystem::path mesh_cache;
     std::filesystem::path folder;  ///< of the cell
     std::string cell;              ///< its name
     /// Meshes that could not be read completely, by address, so that each problem is reported once. Used by
     /// the worker only.
     mutable std::map<std::string, Text> patched;
-    /// Generated shapes of robots, by address, compressed. Used by the worker only.
+    /// Generated shapes of robots and grippers, by address, compressed. Used by the worker only.
     mutable std::map<std::string, Text> made;
   };
   std::shared_ptr<const Documents> documents() const;

@@ -104,6 +104,7 @@ function follow(picture: CellPicture): (() => void)[] {
       const name = each.name;
       const tcp: Vec3 = [valueNow(`${name}/tcp/x`), valueNow(`${name}/tcp/y`), valueNow(`${name}/tcp/z`)];
       picture.update(name, jointValues(name), tcp, baseNow(name) ?? undefined);
+      picture.updateGripper(name, valueNow(`${name}/tool/width`));
     }
   };
   return [

@@ -16,6 +16,8 @@ export class RobotFigure {
   readonly root = new THREE.Group();
   readonly tcp = new THREE.Group();
   private readonly turned: Turned[] = [];
+  private readonly jaws: { object: THREE.Object3D; slide: THREE.Vector3 }[] = [];
+  private width = NaN;
 
   constructor(
     readonly model: RobotModel,
@@ -48,10 +50,23 @@ export class RobotFigure {
 
   /** Adds the tool's shapes in the frame of their link or of the TCP's link. */
   private addTool(ready: () => void): void {
-    const tool = this.model.tool as { visuals?: Visual[]; link?: string } | undefined;
+    const tool = this.model.tool as { visuals?: Visual[]; link?: string; stroke?: number } | undefined;
     if (!tool?.visuals) return;
     const on = this.root.getObjectByName(tool.link ?? this.model.tcp.link) ?? this.root;
-    for (const visual of tool.visuals) on.add(shape(visual, ready));
+    for (const visual of tool.visuals) {
+      const object = shape(visual, ready);
+      on.add(visual.slide ? new THREE.Group().add(object) : object);
+      if (visual.slide) this.jaws.push({ object: object.parent!, slide: new THREE.Vector3(...visual.slide) });
+    }
+    this.setWidth(tool.stroke ?? 0);
+  }
+
+  /** Moves the jaws of the gripper. `width`: between the pads, m; unknown values are ignored. Returns true if the change is visible. */
+  setWidth(width: number): boolean {
+    if (!Number.isFinite(width) || this.jaws.length === 0 || Math.abs(width - this.width) < kSeen) return false;
+    this.width = width;
+    for (const { object, slide } of this.jaws) object.position.copy(slide).multiplyScalar(width);
+    return true;
   }
 
   /** Returns true if the change is visible. */

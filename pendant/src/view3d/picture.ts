@@ -268,6 +268,11 @@ export class CellPicture {
     if (seen) this.redraw();
   }
 
+  /** Moves the jaws of a robot's gripper; `width`: between the pads, m. */
+  updateGripper(robot: string, width: number): void {
+    if (this.robots.get(robot)?.setWidth(width)) this.redraw();
+  }
+
   /** Moves objects on machine axes; the fields contain the positions of the axes. */
   updateMovers(values: (field: string) => number): void {
     for (const { object, home, axis, field } of this.carried) {

@@ -153,6 +153,8 @@ export interface Visual {
   mesh?: string;
   node?: string;
   scale?: Vec3;
+  /** A jaw of a gripper: how far it moves for each m between the pads. */
+  slide?: Vec3;
 }
 
 export interface ModelLink {
