@@ -24,7 +24,7 @@ struct Common {
 
   void add_to(CommandLine& app) {
     robot.add_to(app)->required();
-    app.add_option("--tool", tool, "tool (none, suction_cup, parallel_gripper, or a file)");
+    app.add_option("--tool", tool, "tool: " + join(description::built_in_tools(), ", ") + ", or a file");
     app.add_option("--tcp", tcp, "TCP in tool0 instead: x y z, or x y z roll pitch yaw (m, rad)")
         ->expected(3, 6);
     app.add_flag("--json", as_json, "one JSON object");

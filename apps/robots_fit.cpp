@@ -97,12 +97,14 @@ int run_robots_fit(int argc, char** argv) {
                   "polyarm robots fit");
   RobotOption robot, other;
   bool line = false;
-  robot.add_to(app)->required();
+  app.add_option("robot", robot.name, "a robot of the catalogue")->required();
   app.add_option("description", other.name, "a URDF or xacro with visual meshes of the same robot")
       ->required();
+  app.add_option("arguments", other.arguments, "NAME:=VALUE of a description in xacro");
   app.add_flag("--csv", line,
                "one line: name, triangles of the meshes and of the look, reach, p95, largest (m)");
-  app.footer(examples({"polyarm robots fit universal_robots/ur5e ur5e.urdf"}));
+  app.footer(examples({"polyarm robots fit universal_robots/ur5e ur5e.urdf",
+                       "polyarm robots fit universal_robots/ur5e ur.urdf.xacro name:=ur ur_type:=ur5e"}));
   if (const auto code = app.parse(argc, argv)) return *code;
   Problems warnings;
   const description::Catalogue catalogue = open_catalogue();

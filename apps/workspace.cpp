@@ -95,7 +95,7 @@ int run_workspace(int argc, char** argv) {
   app.add_option("--plane", question.plane, "xz (the default), xy or yz")->one_of({"xz", "xy", "yz"});
   app.add_option("--at", question.at, "where the plane lies along its third axis, m (0)");
   app.add_option("--resolution", question.resolution, "cells along an edge (80)")->range(2, 2000);
-  app.add_option("--tool", tool, "tool (none, suction_cup, parallel_gripper, or a file)");
+  app.add_option("--tool", tool, "tool: " + join(description::built_in_tools(), ", ") + ", or a file");
   app.add_option("--orientation", orientation, "of the TCP: down (the default), home or any")
       ->one_of({"any", "down", "home"});
   app.add_option("--rpy", rpy, "orientation as roll pitch yaw, rad or such as 180deg")->expected(3)->angle();

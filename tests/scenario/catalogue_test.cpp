@@ -60,6 +60,29 @@ TEST(RobotsCommand, SaysWhatIsWrongWithAQuestion) {
   }
 }
 
+TEST(RobotsCommand, ComparesALookWithTheMeshesOfADescription) {
+  const Folder folder;
+  folder.write("plate.stl",
+               "solid plate\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 0.1 0 0\nvertex 0 0.1 0\n"
+               "endloop\nendfacet\nendsolid plate\n");
+  folder.write(
+      "arm.urdf.xacro",
+      "<robot name=\"arm\" xmlns:xacro=\"http://wiki.ros.org/xacro\"><xacro:arg name=\"link\" "
+      "default=\"no_link\"/>"
+      "<link name=\"base\"/><link name=\"$(arg link)\"><visual><geometry><mesh filename=\"plate.stl\"/>"
+      "</geometry></visual></link><joint name=\"j\" type=\"revolute\"><parent link=\"base\"/>"
+      "<child link=\"$(arg link)\"/><axis xyz=\"0 0 1\"/>"
+      "<limit lower=\"-1\" upper=\"1\" velocity=\"1\" effort=\"1\"/></joint></robot>\n");
+  const std::string file = (folder.path() / "arm.urdf.xacro").string();
+  const Finished fit =
+      run_command({"robots", "fit", "universal_robots/ur5e", file, "link:=upper_arm_link", "--csv"});
+  ASSERT_EQ(fit.exit_code, 0) << fit.output;
+  EXPECT_NE(fit.output.find("universal_robots/ur5e,1,"), std::string::npos) << fit.output;
+  const Finished other = run_command({"robots", "fit", "universal_robots/ur5e", file});
+  EXPECT_NE(other.exit_code, 0);
+  EXPECT_NE(other.output.find("has no mesh on a link"), std::string::npos) << other.output;
+}
+
 /// A configuration folder of its own for every command that runs meanwhile.
 class OwnConfiguration : public ::testing::Test {
  protected:
