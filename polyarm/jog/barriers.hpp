@@ -19,6 +19,7 @@ struct Barrier {
   double room = 0;          ///< m left at Barriers::at; negative: nearer than it may be
   double bend = 0;          ///< m per rad²: the room falls below its tangent by at most half of this
   std::int32_t which = -1;  ///< the pair of bodies, for whoever made the barriers
+  bool slides = false;      ///< a TCP that closes in on it slides along it; else it stops on its line
   JogValues gradient{};     ///< of the room, by joint
 };
 

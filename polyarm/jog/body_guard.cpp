@@ -81,10 +81,23 @@ void BodyGuard::add(const Barrier& barrier, Barriers& out) noexcept {
   keep_rest(std::max(dropped.room, kLeastRest), static_cast<std::size_t>(dropped.which), out);
 }
 
+/// True if the body of the robot goes nearly where the TCP goes while the tool keeps its orientation: the
+/// hand, a held part and the wrist.
+bool BodyGuard::moves_with_tcp(const GuardPair& pair) const noexcept {
+  if (pair.own) return false;
+  const std::uint32_t mine = pair.robot_a == robot_ ? pair.a : pair.b;
+  if (bodies_.is_hand(mine) || bodies_.kind(mine) == surroundings::BodyKind::part) return true;
+  const std::span<const double> lever = bodies_.lever_of(pair, robot_);
+  const auto moving = std::count_if(lever.begin(), lever.end(), [](double by) { return by > 0; });
+  const auto all = static_cast<std::ptrdiff_t>(limits_.size());
+  return moving >= all - (all >= 6 ? 2 : 1);
+}
+
 void BodyGuard::add_points(std::size_t index, double keep, std::size_t count, Barriers& out) noexcept {
   const GuardPair& pair = bodies_.pairs()[index];
   Barrier barrier;
   barrier.which = static_cast<std::int32_t>(index);
+  barrier.slides = moves_with_tcp(pair);
   for (const double lever : bodies_.lever_of(pair, robot_)) barrier.bend = std::max(barrier.bend, lever);
   for (std::size_t i = 0; i < count; ++i) {
     barrier.room = points_[i].distance - keep;

@@ -47,6 +47,7 @@ class BodyGuard {
 
  private:
   double margin(const surroundings::GuardPair& pair) const noexcept;
+  bool moves_with_tcp(const surroundings::GuardPair& pair) const noexcept;
   void add(const Barrier& barrier, Barriers& out) noexcept;
   void add_points(std::size_t pair, double keep, std::size_t count, Barriers& out) noexcept;
   double room_in_levers(double room, const surroundings::GuardPair& pair, const Barriers& out) noexcept;

@@ -64,7 +64,8 @@ JogGenerator::JogGenerator(const kinematics::Chain& chain, std::vector<AxisLimit
       workspace_(std::move(workspace)),
       dt_(period),
       solver_(chain),
-      lead_(axes_, period) {
+      lead_(axes_, period),
+      line_(chain, {axes_.data(), std::min(axes_.size(), kMostJogJoints)}, period) {
   if (std::isfinite(chain.reach()) && chain.reach() > 1e-3) length_ = chain.reach();
   if (axes_.size() > kMostJogJoints)
     throw Error("too-many-joints",
@@ -85,6 +86,7 @@ void JogGenerator::start(std::span<const double> q) noexcept {
   solver_.at(q);
   solver_.forget();
   lead_.end();
+  line_.end();
   rates_hold_ = arrived_ = false;
   kind_ = JogSetpoint::Kind::rest;
   hold_ = JogHold::none;
@@ -232,7 +234,11 @@ void JogGenerator::setpoint_tcp(const JogSetpoint& wish, const JogLimits& limits
     for (double& x : wanted) x /= over;
     note(JogHold::speed, 0);
   }
-  if (wish.kind == JogSetpoint::Kind::tcp_velocity) slide_tcp(wanted);
+  if (wish.kind == JogSetpoint::Kind::tcp_target ||
+      (wish.kind == JogSetpoint::Kind::tcp_velocity && slide_tcp(wanted)))
+    line_.end();
+  else if (setpoint_on_line(wish, wanted, limits, rates))
+    return;
   const TcpLead::Target target = target_of(wish, limits);
   if (wish.kind == JogSetpoint::Kind::tcp_target) wanted = lead_.way_to(target);
   std::array<double, kMostJogJoints> velocity;
@@ -404,6 +410,11 @@ void JogGenerator::guard(const JogLimits& limits, States& next) noexcept {
   const Pose place = chain_.forward({q.data(), n});
   std::size_t worst = 0;
   std::int32_t near_body = -1;  // that a barrier belongs to
+  const auto reachable = [&](const States& states) {
+    for (std::size_t j = 0; j < n; ++j)
+      if (!AxisGuard(state_[j], limits_of(j, limits), dt_).safe(states[j])) return false;
+    return true;
+  };
   const auto safe = [&](const States& states) {
     look_ahead(states, looks_at_tcp, then);
     for (std::size_t i = 0; i < workspace_.boundaries(); ++i) {
@@ -437,10 +448,18 @@ void JogGenerator::guard(const JogLimits& limits, States& next) noexcept {
     note(JogHold::body, static_cast<std::size_t>(near_body));
   else
     note(JogHold::speed, 0);
+  // On a line it brakes on it if that is enough.
+  States slower = braked, mix;
+  const JogValues planned = rates_;
+  const bool on_line = brake_on_line(limits, mix) && reachable(mix);
+  const bool stays_on_line = on_line && safe(mix);
+  if (stays_on_line)
+    slower = mix;
+  else if (on_line)
+    next = mix;
   double low = 0, high = 1;
-  States mix;
   const auto set = [&](double share) {
-    for (std::size_t j = 0; j < n; ++j) mix[j] = mixed(braked[j], next[j], share);
+    for (std::size_t j = 0; j < n; ++j) mix[j] = mixed(slower[j], next[j], share);
   };
   for (int i = 0; i < kHalvings; ++i) {
     set((low + high) / 2);
@@ -448,6 +467,9 @@ void JogGenerator::guard(const JogLimits& limits, States& next) noexcept {
   }
   set(low);
   next = mix;
+  if (!stays_on_line) return;
+  line_.take_back(low);
+  for (std::size_t j = 0; j < n; ++j) rates_[j] += low * (planned[j] - rates_[j]);
 }
 
 // --- a cycle ----------------------------------------------------------------------------------------------
@@ -468,15 +490,15 @@ void JogGenerator::step(const JogSetpoint& wish, const JogLimits& limits) noexce
   }
   const auto of_tcp = [](Kind kind) { return kind == Kind::tcp_velocity || kind == Kind::tcp_target; };
   if (!of_tcp(wish.kind) && (wish.kind != Kind::rest || wish.at_once)) lead_.end();
+  if (!lead_.on()) line_.end();
   if (wish.kind != kind_ && !(wish.kind == Kind::rest && lead_.on())) rates_hold_ = false;
   if (wish.kind == Kind::joint_velocity && wish.joints != wanted_) rates_hold_ = false;
   kind_ = wish.kind;
   wanted_ = wish.joints;
 
-  std::array<double, kMostJogJoints> soon{};
   for (std::size_t j = 0; j < n; ++j)
-    soon[j] = state_[j].position + dt_ * (state_[j].velocity + dt_ / 2 * state_[j].acceleration);
-  solver_.at({soon.data(), n});
+    soon_[j] = state_[j].position + dt_ * (state_[j].velocity + dt_ / 2 * state_[j].acceleration);
+  solver_.at({soon_.data(), n});
   JogValues rates{};
   States next{};
   bool planned = false;
@@ -500,9 +522,10 @@ void JogGenerator::step(const JogSetpoint& wish, const JogLimits& limits) noexce
       next[j] = AxisBrake(state_[j], axes_[j].acceleration, axes_[j].jerk).at(dt_);
   else if (!planned)
     follow(rates, limits, next);
+  rates_before_ = rates_;
   rates_ = rates;
-  rates_hold_ = !planned && !(wish.kind == Kind::rest && !lead_.on());
   guard(limits, next);
+  rates_hold_ = !planned && !(wish.kind == Kind::rest && !lead_.on());
   std::array<double, kMostJogJoints> velocity{};
   for (std::size_t j = 0; j < n; ++j) {
     state_[j] = next[j];

@@ -11,6 +11,8 @@
 #include "polyarm/base/pose.hpp"
 #include "polyarm/jog/barriers.hpp"
 #include "polyarm/jog/jog_axis.hpp"
+#include "polyarm/jog/jog_hold.hpp"
+#include "polyarm/jog/jog_line.hpp"
 #include "polyarm/jog/tcp_lead.hpp"
 #include "polyarm/jog/twist.hpp"
 #include "polyarm/jog/twist_solver.hpp"
@@ -34,20 +36,6 @@ struct JogSetpoint {
   Pose target;              ///< of the TCP
   double speed = 1;         ///< for targets: fraction of the highest speed, (0, 1]
 };
-
-/// The cause that holds a motion back.
-enum class JogHold : std::uint8_t {
-  none,
-  speed,        ///< a speed limit of a joint or of the TCP
-  singularity,  ///< damped, joint by joint, or blocked
-  direction,    ///< the arm has too few joints for this direction
-  joint_limit,  ///< which(): the joint
-  workspace,    ///< which(): the zone
-  body,         ///< something is near; which(): as the barrier says
-};
-inline constexpr int kJogHolds = 7;
-/// "joint limit"
-const char* name(JogHold hold);
 
 /// Limits of the generator. They may change at any time; a motion that is then too fast slows down.
 struct JogLimits {
@@ -117,6 +105,8 @@ class JogGenerator {
     JogValues gradient{};  ///< of the room, by joint
     JogHold hold = JogHold::none;
     std::size_t which = 0;
+    bool slides = false;  ///< a translation of the TCP slides along it
+    bool turns = false;   ///< a rotation of the TCP does
   };
   std::size_t near_limits() const noexcept {
     return (barriers_ ? barriers_->count : 0) + workspace_.boundaries();
@@ -126,7 +116,15 @@ class JogGenerator {
                       double jerk) const noexcept;
   double closing_of(const Limit& limit, std::span<const double> rates) const noexcept;
   void slide_joints(JogValues& rates) noexcept;
-  void slide_tcp(Twist& wanted) noexcept;
+  bool slide_tcp(Twist& wanted) noexcept;
+  bool begin_line(const JogSetpoint& wish, const Twist& wanted, double size) noexcept;
+  bool setpoint_on_line(const JogSetpoint& wish, const Twist& wanted, const JogLimits& limits,
+                        JogValues& rates) noexcept;
+  Twist error_on_line() const noexcept;
+  void rates_on_line(JogValues& rates) noexcept;
+  bool brake_on_line(const JogLimits& limits, States& out) noexcept;
+  JogLine::Stop stop_ahead(std::span<const double> tangent) const noexcept;
+  JogLine::Stop barrier_ahead(std::span<const double> tangent) const noexcept;
   struct Pull {
     double acceleration, jerk;
   };
@@ -145,13 +143,18 @@ class JogGenerator {
   double dt_, length_ = 1;
   TwistSolver solver_;
   TcpLead lead_;
+  JogLine line_;  // that the lead is on
   trajectory::StateToState to_joints_;
 
   const Barriers* barriers_ = nullptr;
   States state_{};
   JogSetpoint::Kind kind_ = JogSetpoint::Kind::rest;
   JogValues rates_{}, wanted_{};  // rates_: of the last cycle; wanted_: the wanted rates
+  JogValues rates_before_{};      // of the cycle before that
   Twist asked_{};
+  JogValues soon_{};   // the joints after this cycle, for which solver_ is set
+  Twist line_wish_{};  // the direction of line_ as it was asked for
+  bool line_of_tool_ = false;
   bool rates_hold_ = false;  // rates_ belongs to the same wish as the next cycle
   JogHold hold_ = JogHold::none;
   std::int32_t which_ = -1;

@@ -41,6 +41,8 @@ bool JogGenerator::find_limit(std::size_t i, const JogValues& q, Limit& out) con
     std::copy_n(barriers_->all[i].gradient.begin(), n, out.gradient.begin());
     out.hold = JogHold::body;
     out.which = static_cast<std::size_t>(barriers_->which(i));
+    out.slides = barriers_->all[i].slides;
+    out.turns = false;
     return true;
   }
   i -= bodies;
@@ -51,6 +53,7 @@ bool JogGenerator::find_limit(std::size_t i, const JogValues& q, Limit& out) con
   if (d.joint >= 0) out.gradient[static_cast<std::size_t>(d.joint)] += d.sign;
   out.hold = JogHold::workspace;
   out.which = workspace_.zone_of(i);
+  out.slides = out.turns = d.joint < 0;
   return true;
 }
 
@@ -95,12 +98,12 @@ void JogGenerator::slide_joints(JogValues& rates) noexcept {
   }
 }
 
-/// A twist that closes in on a limit loses that part and keeps what goes along it. A pure translation stays
-/// one.
-void JogGenerator::slide_tcp(Twist& wanted) noexcept {
+/// A twist that closes in on a limit along which it slides loses that part and keeps what goes along it. A
+/// pure translation stays one. True if it loses anything.
+bool JogGenerator::slide_tcp(Twist& wanted) noexcept {
   const std::size_t n = axes_.size();
   const double speed = linear(wanted), turning = angular(wanted);
-  if (near_limits() == 0 || (speed == 0 && turning == 0)) return;
+  if (near_limits() == 0 || (speed == 0 && turning == 0)) return false;
   std::array<JogValues, 6> unit;  // joint velocities for each part of a twist
   for (std::size_t k = 0; k < 6; ++k) {
     Twist one{};
@@ -110,10 +113,12 @@ void JogGenerator::slide_tcp(Twist& wanted) noexcept {
   const JogValues q = positions();
   JogValues rates;
   Limit limit;
+  bool slides = false;
   for (int pass = 0; pass < kSlides; ++pass) {
     bool changed = false;
     for (std::size_t i = 0; i < near_limits(); ++i) {
-      if (!find_limit(i, q, limit)) continue;
+      if (!find_limit(i, q, limit) || !((limit.slides && speed > 0) || (limit.turns && turning > 0)))
+        continue;
       for (std::size_t j = 0; j < n; ++j) {
         rates[j] = 0;
         for (std::size_t k = 0; k < 6; ++k) rates[j] += wanted[k] * unit[k][j];
@@ -124,7 +129,8 @@ void JogGenerator::slide_tcp(Twist& wanted) noexcept {
       Twist along{};  // how the room grows with each part of the twist, weighed
       double size = 0;
       for (std::size_t k = 0; k < 6; ++k) {
-        const double weight = k < 3 ? (speed > 0 ? 1 : 0) : (turning > 0 ? 1 / (length_ * length_) : 0);
+        const double weight = k < 3 ? (limit.slides && speed > 0 ? 1 : 0)
+                                    : (limit.turns && turning > 0 ? 1 / (length_ * length_) : 0);
         const double grows = -closing_of(limit, {unit[k].data(), n});
         along[k] = weight * grows;
         size += weight * grows * grows;
@@ -133,7 +139,7 @@ void JogGenerator::slide_tcp(Twist& wanted) noexcept {
       const double excess = (1 - share) * closing_of(limit, {rates.data(), n});
       for (std::size_t k = 0; k < 6; ++k) wanted[k] += along[k] * excess / size;
       note(limit.hold, limit.which);
-      changed = true;
+      changed = slides = true;
     }
     if (!changed) break;
   }
@@ -141,6 +147,7 @@ void JogGenerator::slide_tcp(Twist& wanted) noexcept {
       std::max(speed > 0 ? linear(wanted) / speed : 1, turning > 0 ? angular(wanted) / turning : 1);
   if (faster > 1)
     for (double& x : wanted) x /= faster;
+  return slides;
 }
 
 }  // namespace polyarm::jog

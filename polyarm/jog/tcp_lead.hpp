@@ -48,6 +48,13 @@ class TcpLead {
   /// One cycle towards the target, at `share` of its speeds. True if lead and TCP have reached it.
   bool approach(const Target& target, double share, const TwistSolver& solver) noexcept;
 
+  /// Is where another motion leads: at `pose`, with its twist and the change of that per s.
+  void set(const Pose& pose, const Twist& twist, const Twist& slope) noexcept {
+    pose_ = pose;
+    twist_ = twist;
+    slope_ = slope;
+  }
+  const Twist& slope() const noexcept { return slope_; }
   /// Continues from the present pose of the TCP.
   void return_to(const Pose& tcp) noexcept { pose_ = tcp; }
   /// For an arm that is held back: keeps the lead at the arm's pose with `share` of the velocity. If the arm

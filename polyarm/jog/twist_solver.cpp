@@ -109,9 +109,8 @@ void TwistSolver::find_ranks(const kinematics::Chain& chain) {
 void TwistSolver::fill(Level& level, std::span<const double> J) const noexcept {
   for (std::size_t r = 0; r < level.rows; ++r)
     for (std::size_t c = 0; c < columns_; ++c)
-      level.A[r * kMostJogJoints + c] = J[6 * c + level.first + r] * (is_locked_[c]         ? 0.0
-                                                                      : level.first + r < 3 ? 1 / length_
-                                                                                            : 1.0);
+      level.A[r * kMostJogJoints + c] = J[6 * c + level.first + r] * (is_locked_[c] ? 0.0 : weight_[c]) *
+                                        (level.first + r < 3 ? 1 / length_ : 1.0);
 }
 
 void TwistSolver::lock(std::size_t joint) noexcept {
@@ -121,6 +120,11 @@ void TwistSolver::lock(std::size_t joint) noexcept {
       ++locked_;
       prepare();
     }
+}
+
+void TwistSolver::weigh(std::size_t joint, double weight) noexcept {
+  for (std::size_t c = 0; c < columns_; ++c)
+    if (arm_.joints()[c] == joint) weight_[c] = weight;
 }
 
 void TwistSolver::decompose(Level& level) const noexcept {
@@ -165,6 +169,7 @@ void TwistSolver::at(std::span<const double> q) noexcept {
   std::copy(q.begin(), q.end(), q_.begin());
   arm_.at(q);
   is_locked_ = {};
+  std::fill_n(weight_.begin(), columns_, 1.0);
   locked_ = 0;
   prepare();
 }
@@ -407,6 +412,36 @@ void TwistSolver::solve(const Twist& twist, const Abilities& abilities, Solution
     if (l == 0 || turning) out.outcome = std::max(out.outcome, outcome);
   }
   for (std::size_t c = 0; c < columns_; ++c) out.rates[arm_.joints()[c]] = rates[c];
+}
+
+double TwistSolver::exact(const Twist& twist, JogValues& out) const noexcept {
+  JogValues rates{};
+  double lost = 0, asked = 0;
+  const bool turns = std::abs(twist[3]) + std::abs(twist[4]) + std::abs(twist[5]) > 0;
+  for (std::size_t l = 0; l < levels_; ++l) {
+    const Level& level = level_[l];
+    std::array<double, kRows> wish{};
+    for (std::size_t r = 0; r < level.rows; ++r) {
+      wish[r] = twist[level.first + r] * (level.first + r < 3 ? 1 / length_ : 1.0);
+      if (l == 0 || turns) asked += wish[r] * wish[r];
+      if (l == 0) continue;
+      // The rotation that the first task already causes.
+      for (std::size_t c = 0; c < columns_; ++c) wish[r] -= arm_.J()[6 * c + level.first + r] * rates[c];
+    }
+    JogValues more{};
+    for (std::size_t k = 0; k < level.rows; ++k) {
+      const double c = projection(level.u[k], wish, level.rows);
+      if (level.sigma[k] < kSingular) {
+        if (l == 0 || turns) lost += c * c;
+        continue;
+      }
+      for (std::size_t i = 0; i < columns_; ++i) more[i] += level.v[k][i] * c / level.sigma[k];
+    }
+    for (std::size_t c = 0; c < columns_; ++c) rates[c] += weight_[c] * more[c];
+  }
+  std::fill_n(out.begin(), joints_, 0.0);
+  for (std::size_t c = 0; c < columns_; ++c) out[arm_.joints()[c]] = rates[c];
+  return asked > 0 ? std::sqrt(lost / asked) : 0;
 }
 
 void TwistSolver::reach(const Twist& twist, JogValues& out) const noexcept {

@@ -62,6 +62,14 @@ class TwistSolver {
   /// Solves without this joint until the next at().
   void lock(std::size_t joint) noexcept;
   void solve(const Twist& twist, const Abilities& abilities, Solution& out) noexcept;
+  /// The joint velocities for a twist without any limits, exact but for singular directions, which are left
+  /// out. Returns the share of the twist that they take. An arm with fewer than six joints turns as nearly as
+  /// it can.
+  double exact(const Twist& twist, JogValues& out) const noexcept;
+  /// Of a joint, (0, 1]: the less it weighs, the more others do for it. Until the next at(); counts after
+  /// decompose_again().
+  void weigh(std::size_t joint, double weight) noexcept;
+  void decompose_again() noexcept { prepare(); }
   std::size_t columns() const noexcept { return columns_; }
   /// The joint velocities for a twist without any limits, to judge how quickly it may change; singular
   /// directions are left out.
@@ -102,6 +110,7 @@ class TwistSolver {
   double length_;  // the weight of a metre relative to a radian
   std::size_t levels_, locked_ = 0;
   std::array<bool, kMostJogJoints> is_locked_{};  // by column
+  JogValues weight_{};                            // by column
   std::array<Level, 2> level_;
   Level trial_;
   std::array<double, kinematics::Chain::kMaxJoints> q_{};
