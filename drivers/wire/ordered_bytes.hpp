@@ -19,6 +19,10 @@ class OrderedWriter {
     const auto low = static_cast<std::uint32_t>(value);
     return writer_.u32(order_ == ByteOrder::big ? low : __builtin_bswap32(low)), *this;
   }
+  OrderedWriter& u64(std::uint64_t value) {
+    return writer_.u64(order_ == ByteOrder::big ? value : __builtin_bswap64(value)), *this;
+  }
+  OrderedWriter& f64(double value) { return u64(std::bit_cast<std::uint64_t>(value)); }
   OrderedWriter& i32(std::int32_t value) { return u32(static_cast<std::uint32_t>(value)); }
   OrderedWriter& f32(float value) { return u32(std::bit_cast<std::uint32_t>(value)); }
   OrderedWriter& text(std::string_view value) { return writer_.text(value), *this; }
@@ -45,6 +49,11 @@ class OrderedReader {
     const std::uint32_t value = reader_.u32();
     return order_ == ByteOrder::big ? value : __builtin_bswap32(value);
   }
+  std::uint64_t u64() noexcept {
+    const std::uint64_t value = reader_.u64();
+    return order_ == ByteOrder::big ? value : __builtin_bswap64(value);
+  }
+  double f64() noexcept { return std::bit_cast<double>(u64()); }
   std::int32_t i32() noexcept { return static_cast<std::int32_t>(u32()); }
   float f32() noexcept { return std::bit_cast<float>(u32()); }
   Bytes take(std::size_t size) noexcept { return reader_.take(size); }

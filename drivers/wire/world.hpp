@@ -10,7 +10,7 @@
 
 namespace polyarm::wire {
 
-/// One robot of six axes. The calls are those of the component that owns it, on the same threads.
+/// One robot. The calls are those of the component that owns it, on the same threads.
 class World {
  public:
   /// `driver`: "mock" or "mujoco"; `joints`: of the controller. Throws Error.
