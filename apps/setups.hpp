@@ -7,5 +7,6 @@ int run_setup_abb(int argc, char** argv);
 int run_setup_kuka(int argc, char** argv);
 int run_setup_yaskawa(int argc, char** argv);
 int run_setup_xarm(int argc, char** argv);
+int run_setup_franka(int argc, char** argv);
 
 }  // namespace polyarm::apps

@@ -1,0 +1,3 @@
+#include "drivers/franka/fake.hpp"
+
+POLYARM_DRIVER(polyarm::franka::FakeFranka)

@@ -1,0 +1,3 @@
+#include "drivers/franka/component.hpp"
+
+POLYARM_DRIVER(polyarm::franka::FrankaComponent)
