@@ -9,6 +9,7 @@
 
 #include "drivers/fanuc/forward_link.hpp"
 #include "drivers/fanuc/link.hpp"
+#include "drivers/forward/readings.hpp"
 #include "drivers/wire/forward_watch.hpp"
 #include "drivers/wire/stream_component.hpp"
 
@@ -29,6 +30,8 @@ namespace polyarm::fanuc {
 /// Motion has are NaN.
 class FanucComponent : public wire::StreamComponent<Link, Cause>, public hardware::TakesMoves {
  public:
+  static constexpr std::size_t kStates = 3;  ///< of each joint, the position first
+
   hardware::CallbackReturn on_init(const hardware::ComponentContext& context) override;
   std::vector<hardware::InterfaceDescription> state_interfaces() const override;
   std::vector<hardware::InterfaceDescription> command_interfaces() const override;
@@ -48,23 +51,18 @@ class FanucComponent : public wire::StreamComponent<Link, Cause>, public hardwar
 
  protected:
   ForwardLink* forward() noexcept { return forward_.get(); }
-  const std::vector<std::string>& joints() const { return joints_; }
+  const std::vector<std::string>& joint_names() const { return joints_; }
   bool stepped_forward_ = false;  ///< the simulated controller's clock waits for the loop
 
  private:
   void find_limits(const description::RobotModel& model);
   void make_forward(const hardware::ComponentContext& context, hardware::DriverParameters& p);
   hardware::ReturnType read_forward(const hardware::Cycle& cycle, std::span<double> states) noexcept;
-  const Six& between_readings(const hardware::Cycle& cycle) noexcept;
   hardware::ReturnType write_forward(std::span<const double> commands) noexcept;
 
   std::unique_ptr<ForwardLink> forward_;  ///< instead of link_, in forward mode
   wire::ForwardWatch watch_;
-  struct Reading {  ///< the control thread's
-    std::uint64_t count = 0;
-    Nanoseconds at = 0, span = 0;
-    Six from{}, q{};
-  } reading_;
+  forward::Readings readings_;  ///< the control thread's
   std::shared_ptr<const kinematics::Chain> flange_;
   double world_height_ = 0;
   LinkSettings settings_;

@@ -40,26 +40,6 @@ hardware::ForwardMoves* FanucComponent::forward_moves(std::uint32_t layout) noex
   return layout == hardware::kForwardLayout ? forward_.get() : nullptr;
 }
 
-/// The joints, one reading behind: a straight line from reading to reading, because the loop is faster.
-const Six& FanucComponent::between_readings(const hardware::Cycle& cycle) noexcept {
-  constexpr Nanoseconds kLongest = 500'000'000;
-  const ForwardSample& sample = forward_->sample();
-  Reading& r = reading_;
-  if (sample.count != r.count) {
-    const bool first = r.count == 0 || sample.count < r.count || cycle.time - r.at > kLongest;
-    r.from = first ? sample.q : r.q;
-    r.span = first ? 0 : cycle.time - r.at;
-    r.at = cycle.time;
-    r.count = sample.count;
-  }
-  const double share = r.span <= cycle.period
-                           ? 1
-                           : std::min(1.0, static_cast<double>(cycle.time - r.at + cycle.period) /
-                                               static_cast<double>(r.span));
-  for (std::size_t j = 0; j < 6; ++j) r.q[j] = r.from[j] + share * (sample.q[j] - r.from[j]);
-  return r.q;
-}
-
 /// What only Stream Motion says is NaN.
 ReturnType FanucComponent::read_forward(const hardware::Cycle& cycle, std::span<double> states) noexcept {
   constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
@@ -67,7 +47,7 @@ ReturnType FanucComponent::read_forward(const hardware::Cycle& cycle, std::span<
   forward_->fetch();
   const ForwardSample& sample = forward_->sample();
   const bool read = sample.count > 0;
-  const Six& q = between_readings(cycle);
+  const Six& q = readings_.at(sample.q, sample.count, cycle);
   std::size_t at = 0;
   for (std::size_t j = 0; j < 6; ++j)
     for (const double value : {q[j], sample.dq[j], kUnknown}) states[at++] = read ? value : kUnknown;
@@ -92,7 +72,7 @@ ReturnType FanucComponent::write_forward(std::span<const double> commands) noexc
   if (!active_) return ReturnType::ok;
   std::copy_n(commands.begin() + 6, settings_.outputs.count, outputs_.digital.begin());
   forward_->cycle(outputs_);
-  const auto joint = watch_.strays(commands, reading_.q);
+  const auto joint = watch_.strays(commands, readings_.shown());
   if (!joint) return ReturnType::ok;
   forward_->fail(Cause::joint_commands, *joint);
   return ReturnType::error;

@@ -62,39 +62,19 @@ CallbackReturn FakeFanuc::on_init(const hardware::ComponentContext& context) {
   own.parameters.try_emplace("loop_silence_ms", "10000");
   own.parameters.try_emplace("answer_ms", "10000");
   stepped_forward_ = true;
-  for (const char* one : {"wires", "faults", "world"}) own.parameters.erase(one);
-  world_.reset();
-  const CallbackReturn done = FanucComponent::on_init(own);
-  own_states_ = FanucComponent::state_interfaces().size();
-  own_commands_ = FanucComponent::command_interfaces().size();
-  if (const std::string world = given("world"); !world.empty() && done == CallbackReturn::success)
-    world_ = std::make_unique<wire::World>(world, context, joints());
-  return done;
-}
-
-std::vector<hardware::InterfaceDescription> FakeFanuc::state_interfaces() const {
-  auto out = FanucComponent::state_interfaces();
-  if (world_) out.insert(out.end(), world_->states().begin(), world_->states().end());
-  return out;
-}
-
-std::vector<hardware::InterfaceDescription> FakeFanuc::command_interfaces() const {
-  auto out = FanucComponent::command_interfaces();
-  if (world_) out.insert(out.end(), world_->commands().begin(), world_->commands().end());
-  return out;
+  for (const char* one : {"wires", "faults"}) own.parameters.erase(one);
+  return InWorld::on_init(own);
 }
 
 CallbackReturn FakeFanuc::on_configure() {
   if (far_) faults_.start(*far_);
-  const CallbackReturn done = FanucComponent::on_configure();
-  return done == CallbackReturn::success && world_ ? world_->configure() : done;
+  return InWorld::on_configure();
 }
 
 CallbackReturn FakeFanuc::on_activate() {
   if (far_) faults_.start(*far_);
-  const CallbackReturn done = FanucComponent::on_activate();
+  const CallbackReturn done = InWorld::on_activate();
   if (done != CallbackReturn::success) return done;
-  if (world_) world_->activate();
   far_->hold_clock(true);
   stepped_ = true;
   return done;
@@ -114,22 +94,6 @@ CallbackReturn FakeFanuc::on_cleanup() {
 }
 
 hardware::ReturnType FakeFanuc::read(const hardware::Cycle& cycle, std::span<double> states) noexcept {
-  const hardware::ReturnType result = read_controller(cycle, states.first(own_states_));
-  if (!world_ || result != hardware::ReturnType::ok) return result;
-  constexpr std::size_t kStates = 3;  // of each joint, the position first
-  Six q;
-  for (std::size_t j = 0; j < 6; ++j) q[j] = states[kStates * j];
-  return world_->step(cycle, q, states.subspan(own_states_));
-}
-
-hardware::ReturnType FakeFanuc::write(const hardware::Cycle& cycle,
-                                      std::span<const double> commands) noexcept {
-  if (world_) world_->command(commands.subspan(own_commands_));
-  return FanucComponent::write(cycle, commands.first(own_commands_));
-}
-
-hardware::ReturnType FakeFanuc::read_controller(const hardware::Cycle& cycle,
-                                                std::span<double> states) noexcept {
   if (stepped_) {
     faults_.step(*far_, seconds(cycle.period));
     if (forward()) {
@@ -137,7 +101,7 @@ hardware::ReturnType FakeFanuc::read_controller(const hardware::Cycle& cycle,
           kTimeout);  // what the last cycle asked for is there before the controller's next one
       far_->step(kTimeout);
       forward()->exchange(kTimeout);
-      return FanucComponent::read(cycle, states);
+      return InWorld::read(cycle, states);
     }
     const std::uint32_t before = far_->sent_sequence();
     far_->step(kTimeout);
@@ -147,7 +111,7 @@ hardware::ReturnType FakeFanuc::read_controller(const hardware::Cycle& cycle,
     else
       link()->await(kDisturbed);  // a fault keeps the packet back
   }
-  return FanucComponent::read(cycle, states);
+  return InWorld::read(cycle, states);
 }
 
 /// Until the newest packet has the sequence: older ones may still be on their way.

@@ -16,39 +16,19 @@ namespace {
 
 constexpr Nanoseconds kLook = 5'000'000;         // between two looks without an event
 constexpr Nanoseconds kAskWhy = 100'000'000;     // between two questions for the alarm
-constexpr Nanoseconds kLanding = 3'000'000'000;  // for the robot to be where a move ends
 constexpr int kStatusTurns = 4;  // of that many rounds one reads the status, the others an input
 constexpr int kWhys = 4;         // requests for an alarm; after them the controller counts as without one
 constexpr int kBegins = 100;     // of remote motion, one with each reading: the aborted program may still end
 constexpr double kStill = 4e-5;  // rad between two readings, whose places are 0.001 degrees
 constexpr int kStillReadings = 2;
-constexpr double kThere = 0.01;           // rad
 constexpr int kRunning = 0, kOnHold = 2;  // ProgramStatus
-
-double largest_difference(const Six& a, const Six& b) {
-  double out = 0;
-  for (std::size_t i = 0; i < 6; ++i) out = std::max(out, std::abs(a[i] - b[i]));
-  return out;
-}
-
-Six end_of(const ForwardMove& move) {
-  Six out;
-  std::copy_n(move.joints.begin(), 6, out.begin());
-  return out;
-}
 
 }  // namespace
 
 // --- control thread -------------------------------------------------------------------------------------
 
 bool ForwardLink::accept(const ForwardMove& move) noexcept {
-  if (clear_wanted_.load(std::memory_order_relaxed) != clear_done_.load(std::memory_order_acquire))
-    return false;
-  accepted_.fetch_add(1);  // first: what is in the queue counts as left
-  if (!queue_.push(move)) {
-    accepted_.fetch_sub(1);
-    return false;
-  }
+  if (!moves_.accept(move)) return false;
   wake();
   return true;
 }
@@ -58,7 +38,7 @@ void ForwardLink::set_pace(double share) noexcept {
 }
 
 void ForwardLink::clear() noexcept {
-  clear_wanted_.fetch_add(1);
+  moves_.clear();
   wake();
 }
 
@@ -66,8 +46,8 @@ hardware::ForwardFlow ForwardLink::flow() const noexcept {
   hardware::ForwardFlow out;
   const bool held = pace_.load() == 0;
   const bool seen = hold_seen_.load();
-  out.idle = accepted_.load() == finished_.load() && clear_wanted_.load() == clear_done_.load();
-  out.done = done_.load();
+  out.idle = moves_.idle();
+  out.done = moves_.done();
   const bool quiet = held ? seen && (!carries_out_.load() || paused_.load()) : out.idle;
   out.standing = at_rest_.load() && quiet;
   return out;
@@ -169,8 +149,7 @@ void ForwardLink::take_answer(const RmiMessage& message, Nanoseconds now) {
       sequence_ = 1;
       begins_ = 0;
       begin_after_ = 0;
-      forget_moves();
-      clear_done_ = clear_wanted_.load();
+      moves_.forget();
       return;
     case Asked::pace:
       percent_ = percent_asked_;
@@ -211,7 +190,7 @@ void ForwardLink::take_joints(const RmiMessage& message, Nanoseconds now) {
   const Nanoseconds at = settings_.stepped ? tag : now;  // TimeTag: ms
   if (current_.count > 0 && at > read_at_) {
     for (std::size_t i = 0; i < 6; ++i) current_.dq[i] = (q[i] - current_.q[i]) / seconds(at - read_at_);
-    still_ = largest_difference(q, current_.q) < kStill ? still_ + 1 : 0;
+    still_ = forward::largest_difference(q, current_.q) < kStill ? still_ + 1 : 0;
   }
   read_at_ = at;
   current_.q = q;
@@ -233,18 +212,19 @@ void ForwardLink::take_alarm(const RmiMessage& message) {
 
 void ForwardLink::take_instruction(const RmiMessage& message) {
   const int sequence = message.whole("SequenceID", 0, 1 << 30).value_or(0);
-  const auto found =
-      std::find_if(sent_.begin(), sent_.end(), [&](const Sent& one) { return one.sequence == sequence; });
-  if (found == sent_.end() || fault_ || clearing()) return;
+  const auto& sent = moves_.sent();
+  const bool ours =
+      std::any_of(sent.begin(), sent.end(), [&](const auto& one) { return one.number == sequence; });
+  if (!ours || fault_ || moves_.clearing()) return;
   if (const int error = message.error(); error != 0) {
     if (error == kRmiHold || error == kRmiNotRunning || suspected_) return suspect();
     return note(Cause::move_refused, error, message.name);
   }
-  for (auto one = sent_.begin(); one != found + 1; ++one) one->answered = true;
+  moves_.end_up_to(sequence);
 }
 
 void ForwardLink::take_wanted(Nanoseconds now) {
-  for (ForwardMove move; queue_.pop(move);) moves_.push_back(move);
+  moves_.collect();
   if (outputs_.fetch()) wanted_ = outputs_.value();
   if (const std::uint64_t cycles = cycles_.load(std::memory_order_acquire); cycles != cycles_seen_) {
     cycles_seen_ = cycles;
@@ -252,35 +232,9 @@ void ForwardLink::take_wanted(Nanoseconds now) {
   }
 }
 
-/// A move that ends at rest is over when the robot is there, whenever the controller answers.
 void ForwardLink::land(Nanoseconds now) {
-  while (!sent_.empty() && sent_.front().answered) {
-    const ForwardMove& move = sent_.front().move;
-    if (move.stops) {
-      const Six end = end_of(move);
-      const bool there = largest_difference(current_.q, end) < kThere;
-      if (!there && (off_since_ == 0 || current_.moving)) off_since_ = now;
-      if (!there && now - off_since_ > kLanding) {
-        std::size_t joint = 0;
-        for (std::size_t i = 0; i < 6; ++i)
-          if (std::abs(current_.q[i] - end[i]) > std::abs(current_.q[joint] - end[joint])) joint = i;
-        return note(Cause::off_target, static_cast<int>(joint));
-      }
-      if (!there || current_.moving) return;
-    }
-    off_since_ = 0;
-    done_ = move.id;
-    sent_.pop_front();
-    finished_.fetch_add(1);
-  }
-}
-
-void ForwardLink::forget_moves() {
-  for (ForwardMove move; queue_.pop(move);) moves_.push_back(move);
-  finished_.fetch_add(moves_.size() + sent_.size());
-  moves_.clear();
-  sent_.clear();
-  off_since_ = 0;
+  if (const auto joint = moves_.land(current_.q, !current_.moving, seconds(now)))
+    note(Cause::off_target, *joint);
 }
 
 void ForwardLink::ask(Asked what, const RmiLine& line, Nanoseconds now) {
@@ -319,7 +273,7 @@ void ForwardLink::act(Nanoseconds now) {
       return ask(Asked::error, RmiLine("Command", "FRC_ReadError").number("Count", 1), now);
     }
     if (act_on_outputs(now)) return;
-    if (clearing() ? act_on_clear(now) : !suspected_ && (act_on_pace(now) || send_moves(now))) return;
+    if (moves_.clearing() ? act_on_clear(now) : !suspected_ && (act_on_pace(now) || send_moves(now))) return;
   }
   read_on(now);
 }
@@ -333,10 +287,8 @@ bool ForwardLink::act_on_fault(Nanoseconds now) {
 
 /// Comes to rest on the path first; then the controller forgets its instructions.
 bool ForwardLink::act_on_clear(Nanoseconds now) {
-  if (sent_.empty() && !aborted_) {
-    const std::uint32_t wanted = clear_wanted_.load();
-    forget_moves();
-    clear_done_ = wanted;
+  if (moves_.sent().empty() && !aborted_) {
+    moves_.forget();
     return false;
   }
   if (aborted_) {
@@ -355,7 +307,7 @@ bool ForwardLink::act_on_clear(Nanoseconds now) {
 bool ForwardLink::act_on_pace(Nanoseconds now) {
   const double pace = pace_.load();
   if (pace == 0) {
-    if (sent_.empty() || paused_) return false;
+    if (moves_.sent().empty() || paused_) return false;
     ask(Asked::pause, {"Command", "FRC_Pause"}, now);
     return true;
   }
@@ -393,7 +345,7 @@ bool ForwardLink::ready_to_send(const ForwardMove& next, Nanoseconds now) {
                          angle_between(tool_->rotation, tool.rotation) < 1e-6;
   const bool knows = next.kind != ForwardMove::Kind::arc || configuration_known_;
   if (same_tool && knows) return true;
-  if (!sent_.empty() || current_.moving) return false;
+  if (!moves_.sent().empty() || current_.moving) return false;
   if (!same_tool && tool_asked_ && norm(tool_asked_->position - tool.position) < 1e-6 &&
       angle_between(tool_asked_->rotation, tool.rotation) < 1e-6) {
     ask(Asked::tool,
@@ -413,22 +365,20 @@ bool ForwardLink::ready_to_send(const ForwardMove& next, Nanoseconds now) {
 
 /// True if a command went out.
 bool ForwardLink::send_moves(Nanoseconds now) {
-  while (!moves_.empty() && sent_.size() < static_cast<std::size_t>(settings_.window) && pace_.load() > 0) {
-    const ForwardMove& next = moves_.front();
-    if (!sent_.empty() && sent_.back().move.stops) return false;  // only when the robot was seen there
-    if (!next.stops && moves_.size() < 2) return false;           // the next move says how this one ends
+  while (pace_.load() > 0 && moves_.may_send(static_cast<std::size_t>(settings_.window))) {
+    const auto& waiting = moves_.waiting();
+    const ForwardMove& next = waiting.front();
     if (!ready_to_send(next, now)) return asked_ != Asked::nothing;
     const bool joint = next.kind == ForwardMove::Kind::joint;
-    const bool before_arc = joint && moves_.size() > 1 && moves_[1].kind == ForwardMove::Kind::arc;
+    const bool before_arc = joint && waiting.size() > 1 && waiting[1].kind == ForwardMove::Kind::arc;
     if (joint) configuration_known_ = false;
     if (!rmi_.send(instruction_of(next, settings_.frame, sequence_, before_arc, configuration_))) {
       rmi_gone_ = true;
       note(Cause::rmi_closed);
       return false;
     }
-    sent_.push_back({sequence_++, next, false});
+    moves_.send(sequence_++, current_.q);
     still_ = 0;
-    moves_.pop_front();
   }
   return false;
 }
@@ -466,7 +416,7 @@ void ForwardLink::judge(Nanoseconds now) {
 
 void ForwardLink::publish() {
   at_rest_ = still_ >= kStillReadings;
-  carries_out_ = !sent_.empty();
+  carries_out_ = !moves_.sent().empty();
   changed_.notify_all();
 }
 

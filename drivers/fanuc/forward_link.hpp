@@ -4,7 +4,6 @@
 #include <array>
 #include <atomic>
 #include <cstdint>
-#include <deque>
 #include <optional>
 #include <string>
 #include <thread>
@@ -13,9 +12,9 @@
 #include "drivers/fanuc/instructions.hpp"
 #include "drivers/fanuc/link.hpp"
 #include "drivers/fanuc/rmi_link.hpp"
+#include "drivers/forward/move_buffer.hpp"
 #include "polyarm/hardware/forward_moves.hpp"
 #include "polyarm/realtime/latest.hpp"
-#include "polyarm/realtime/queue.hpp"
 
 namespace polyarm::fanuc {
 
@@ -90,11 +89,6 @@ class ForwardLink : public RmiLink, public hardware::ForwardMoves {
     error
   };
   enum class Round : std::uint8_t { none, begun, joints, over };
-  struct Sent {
-    int sequence = 0;
-    hardware::ForwardMove move;
-    bool answered = false;
-  };
 
   bool read_outputs();
   void run_thread();
@@ -121,25 +115,20 @@ class ForwardLink : public RmiLink, public hardware::ForwardMoves {
   void read_on(Nanoseconds now);
   void ask(Asked what, const RmiLine& line, Nanoseconds now);
   void land(Nanoseconds now);
-  void forget_moves();
   void suspect() { suspected_ = true; }
   void judge(Nanoseconds now);
   void publish();
-  bool clearing() const { return clear_wanted_.load(std::memory_order_acquire) != clear_done_; }
 
   ForwardSettings settings_;
   Phase phase_ = Phase::idle;  ///< changes while the thread is halted
   realtime::Latest<ForwardSample> samples_;
   realtime::Latest<Outputs> outputs_;
-  realtime::Queue<hardware::ForwardMove> queue_{64};
+  forward::MoveBuffer moves_;
 
   // the control thread writes
   std::atomic<double> pace_{0};
-  std::atomic<std::uint64_t> accepted_{0}, cycles_{0};
-  std::atomic<std::uint32_t> clear_wanted_{0};
+  std::atomic<std::uint64_t> cycles_{0};
   // the thread writes
-  std::atomic<std::uint64_t> finished_{0}, done_{0};
-  std::atomic<std::uint32_t> clear_done_{0};
   std::atomic<bool> at_rest_{false}, carries_out_{false}, paused_{false}, hold_seen_{false};
   std::atomic<bool> rmi_gone_{false}, aborted_{false};
   // anybody
@@ -148,11 +137,9 @@ class ForwardLink : public RmiLink, public hardware::ForwardMoves {
 
   // the thread's
   ForwardSample current_;
-  std::deque<hardware::ForwardMove> moves_;
-  std::deque<Sent> sent_;
   Asked asked_ = Asked::nothing;
   const char* asked_name_ = "";
-  Nanoseconds asked_at_ = 0, read_at_ = 0, next_round_ = 0, off_since_ = 0, cycled_at_ = 0, error_at_ = 0;
+  Nanoseconds asked_at_ = 0, read_at_ = 0, next_round_ = 0, cycled_at_ = 0, error_at_ = 0;
   Round round_ = Round::none;
   unsigned turn_ = 0;
   int sequence_ = 1, percent_ = 0, percent_asked_ = 0, still_ = 0, input_ = 0, output_ = -1, errors_ = 0;

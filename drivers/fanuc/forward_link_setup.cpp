@@ -84,8 +84,7 @@ bool ForwardLink::start() {
   if (fine && status->number("TPMode") != 0) fine = refuse(Cause::teach_mode);
   fine = fine && clear_alarms(settings_.start_timeout) && initialize();
   if (fine) {
-    forget_moves();
-    clear_done_ = clear_wanted_.load();
+    moves_.forget();
     sequence_ = 1;
     percent_ = 0;
     errors_ = begins_ = 0;
@@ -107,8 +106,7 @@ bool ForwardLink::start() {
 /// Ends what remote motion is left. The thread is halted.
 void ForwardLink::end_remote_motion() {
   phase_ = Phase::idle;
-  forget_moves();
-  clear_done_ = clear_wanted_.load();
+  moves_.forget();
   if (rmi_ && !rmi_gone_ && !aborted_)
     rmi_.ask("Command", "FRC_Abort", {"Command", "FRC_Abort"}, settings_.connect_timeout);
 }
@@ -121,8 +119,7 @@ void ForwardLink::stop() {
     std::unique_lock lock(mutex_);
     const auto over = [this] {
       if (rmi_gone_) return true;
-      return fault_ ? aborted_.load() && at_rest_.load()
-                    : at_rest_.load() && clear_wanted_.load() == clear_done_.load();
+      return fault_ ? aborted_.load() && at_rest_.load() : at_rest_.load() && !moves_.clearing();
     };
     const auto end = std::chrono::steady_clock::now() + std::chrono::nanoseconds(settings_.connect_timeout);
     while (!over() && std::chrono::steady_clock::now() < end)

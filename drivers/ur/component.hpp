@@ -31,6 +31,8 @@ namespace polyarm::ur {
 /// speed slider to itself then.
 class UrComponent : public hardware::Component, public hardware::TakesMoves {
  public:
+  static constexpr std::size_t kStates = 4;  ///< of each joint, the position first
+
   hardware::CallbackReturn on_init(const hardware::ComponentContext& context) override;
   hardware::CallbackReturn on_configure() override;
   hardware::CallbackReturn on_activate() override;
@@ -64,7 +66,7 @@ class UrComponent : public hardware::Component, public hardware::TakesMoves {
   LinkSettings& settings() noexcept { return settings_; }
   Link* link() noexcept { return link_.get(); }
   std::int32_t last_command() const noexcept { return last_command_; }
-  const std::vector<std::string>& joints() const { return joints_; }
+  const std::vector<std::string>& joint_names() const { return joints_; }
   bool paced_ = true;
 
  private:

@@ -8,17 +8,6 @@ namespace polyarm::ur {
 
 using hardware::ReturnType;
 
-namespace {
-
-/// Where the controller's tool flange is, with its z axis out of the flange.
-int flange_of(const description::RobotModel& model, int otherwise) {
-  for (std::size_t i = 0; i < model.links.size(); ++i)
-    if (model.links[i].name == "tool0") return static_cast<int>(i);
-  return otherwise;
-}
-
-}  // namespace
-
 void UrComponent::make_forward(const hardware::ComponentContext& context, hardware::DriverParameters& p) {
   constexpr double kAcceleration = 10;  // rad/s², of a joint whose description states none
   const hardware::RobotInstance& robot = context.robots.front();
@@ -34,7 +23,7 @@ void UrComponent::make_forward(const hardware::ComponentContext& context, hardwa
   MoveFrame frame;
   frame.base = robot.base;
   frame.flange = std::make_shared<const kinematics::Chain>(
-      *robot.model, flange_of(*robot.model, joints.back()->child_link));
+      *robot.model, forward::tool_flange(*robot.model, joints.back()->child_link));
   for (std::size_t i = 0; i < 6; ++i) {
     frame.velocity[i] = velocity_limits_[i];
     frame.acceleration[i] = joints[i]->limits.acceleration.value_or(kAcceleration);

@@ -60,39 +60,19 @@ CallbackReturn FakeUr::on_init(const hardware::ComponentContext& context) {
   own.parameters.try_emplace("watchdog_ms",
                              "5000");  // the clocks of this machine say nothing about a controller
   own.parameters.try_emplace("silence_ms", "10000");
-  for (const char* one : {"wires", "faults", "world"}) own.parameters.erase(one);
-  world_.reset();
-  const CallbackReturn done = UrComponent::on_init(own);
-  own_states_ = UrComponent::state_interfaces().size();
-  own_commands_ = UrComponent::command_interfaces().size();
-  if (const std::string world = given("world"); !world.empty() && done == CallbackReturn::success)
-    world_ = std::make_unique<wire::World>(world, context, joints());
-  return done;
-}
-
-std::vector<hardware::InterfaceDescription> FakeUr::state_interfaces() const {
-  auto out = UrComponent::state_interfaces();
-  if (world_) out.insert(out.end(), world_->states().begin(), world_->states().end());
-  return out;
-}
-
-std::vector<hardware::InterfaceDescription> FakeUr::command_interfaces() const {
-  auto out = UrComponent::command_interfaces();
-  if (world_) out.insert(out.end(), world_->commands().begin(), world_->commands().end());
-  return out;
+  for (const char* one : {"wires", "faults"}) own.parameters.erase(one);
+  return InWorld::on_init(own);
 }
 
 CallbackReturn FakeUr::on_configure() {
   if (far_) faults_.start(*far_);
-  const CallbackReturn done = UrComponent::on_configure();
-  return done == CallbackReturn::success && world_ ? world_->configure() : done;
+  return InWorld::on_configure();
 }
 
 CallbackReturn FakeUr::on_activate() {
   if (far_) faults_.start(*far_);
-  const CallbackReturn done = UrComponent::on_activate();
+  const CallbackReturn done = InWorld::on_activate();
   if (done != CallbackReturn::success) return done;
-  if (world_) world_->activate();
   far_->hold_clock(true);
   disturbed_ = false;
   stepped_ = true;
@@ -112,21 +92,6 @@ CallbackReturn FakeUr::on_cleanup() {
 }
 
 hardware::ReturnType FakeUr::read(const hardware::Cycle& cycle, std::span<double> states) noexcept {
-  const hardware::ReturnType result = read_controller(cycle, states.first(own_states_));
-  if (!world_ || result != hardware::ReturnType::ok) return result;
-  constexpr std::size_t kStates = 4;  // of each joint, the position first
-  wire::Six q;
-  for (std::size_t j = 0; j < 6; ++j) q[j] = states[kStates * j];
-  return world_->step(cycle, q, states.subspan(own_states_));
-}
-
-hardware::ReturnType FakeUr::write(const hardware::Cycle& cycle, std::span<const double> commands) noexcept {
-  if (world_) world_->command(commands.subspan(own_commands_));
-  return UrComponent::write(cycle, commands.first(own_commands_));
-}
-
-hardware::ReturnType FakeUr::read_controller(const hardware::Cycle& cycle,
-                                             std::span<double> states) noexcept {
   if (stepped_) {
     faults_.step(*far_, seconds(cycle.period));
     // A fault may keep the controller's package back; then a command may wait for the next one.
@@ -135,7 +100,7 @@ hardware::ReturnType FakeUr::read_controller(const hardware::Cycle& cycle,
     const double sent = far_->sent_time();
     disturbed_ = disturbed_ || sent == before || !await_package(sent);
   }
-  return UrComponent::read(cycle, states);
+  return InWorld::read(cycle, states);
 }
 
 /// Until the newest package is that of the time `sent`: older ones may still be on their way.

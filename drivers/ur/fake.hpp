@@ -4,8 +4,8 @@
 
 #include "drivers/ur/component.hpp"
 #include "drivers/ur/far_side.hpp"
+#include "drivers/wire/in_world.hpp"
 #include "drivers/wire/simulated.hpp"
-#include "drivers/wire/world.hpp"
 
 namespace polyarm::ur {
 
@@ -14,13 +14,11 @@ namespace polyarm::ur {
 /// their interfaces. `faults: KIND@SECOND KIND@again …` orders faults of FarSide, in seconds since the first
 /// activation. While the component is active, the controller's clock stands still between two cycles of the
 /// loop, so that a run repeats itself, as fast as the machine can.
-class FakeUr : public UrComponent {
+class FakeUr : public wire::InWorld<UrComponent> {
  public:
   FakeUr() { paced_ = false; }
   ~FakeUr() override;
   hardware::CallbackReturn on_init(const hardware::ComponentContext& context) override;
-  std::vector<hardware::InterfaceDescription> state_interfaces() const override;
-  std::vector<hardware::InterfaceDescription> command_interfaces() const override;
   hardware::CallbackReturn on_configure() override;
   hardware::CallbackReturn on_activate() override;
   hardware::CallbackReturn on_deactivate() override;
@@ -28,22 +26,13 @@ class FakeUr : public UrComponent {
   hardware::CallbackReturn on_shutdown() override { return on_cleanup(); }
   hardware::CallbackReturn on_error() override { return on_cleanup(); }
   hardware::ReturnType read(const hardware::Cycle& cycle, std::span<double> states) noexcept override;
-  hardware::ReturnType write(const hardware::Cycle& cycle,
-                             std::span<const double> commands) noexcept override;
-  const hardware::WorldState* world() const noexcept override { return world_ ? world_->world() : nullptr; }
-  std::vector<std::string> world_names() const override {
-    return world_ ? world_->names() : std::vector<std::string>{};
-  }
   bool real() const noexcept override { return false; }
   std::string summary() const override;
   FarSide& far_side() { return *far_; }
 
  private:
   bool await_package(double sent) noexcept;
-  hardware::ReturnType read_controller(const hardware::Cycle& cycle, std::span<double> states) noexcept;
   std::unique_ptr<FarSide> far_;
-  std::unique_ptr<wire::World> world_;
-  std::size_t own_states_ = 0, own_commands_ = 0;  ///< without those of the world
   wire::DueOrders faults_;
   std::atomic<bool> stepped_{false};
   bool disturbed_ = false;

@@ -197,7 +197,7 @@ void Link::take_stream() {
 
 void Link::send_command(const Command& command) {
   if (moves_) {
-    MoveMessage message = commanded_ ? moves_->next() : MoveMessage{};
+    MoveMessage message = commanded_ ? message_of(moves_->next(), moves_->frame()) : MoveMessage{};
     hold_slider();
     message.sequence = command.sequence;
     message.timeout_ms = settings_.watchdog_ms;

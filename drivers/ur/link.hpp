@@ -12,7 +12,7 @@
 #include <string>
 #include <thread>
 
-#include "drivers/ur/move_queue.hpp"
+#include "drivers/ur/move_shape.hpp"
 #include "drivers/ur/primary.hpp"
 #include "drivers/ur/rtde.hpp"
 #include "drivers/ur/script.hpp"

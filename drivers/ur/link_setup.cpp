@@ -62,7 +62,7 @@ std::size_t place_of(Field field) noexcept {
 
 Link::Link(LinkSettings settings)
     : LinkBase("the controller at " + settings.host), settings_(std::move(settings)), pacer_(0) {
-  if (settings_.forward) moves_ = std::make_unique<MoveQueue>(*settings_.forward);
+  if (settings_.forward) moves_ = std::make_unique<MoveQueue>(*settings_.forward, kMoveSlots);
 }
 
 void Link::drop() {

@@ -3,7 +3,7 @@
 #include <optional>
 #include <thread>
 
-#include "drivers/ur/near_joints.hpp"
+#include "drivers/forward/near_joints.hpp"
 #include "polyarm/kinematics/chain.hpp"
 #include "tests/support/forward_calls.hpp"
 #include "tests/ur/rig.hpp"
@@ -52,7 +52,7 @@ class ForwardRig : public ForwardCalls<UrRig> {
     const auto jacobian = [](const ur::Six& one, std::array<double, 36>& J) {
       return ur_chain().jacobian(one, J);
     };
-    return to(out, *ur::near_joints(jacobian, at, from), at, blend);
+    return to(out, *forward::near_joints(jacobian, at, from), at, blend);
   }
   /// Half a circle downwards.
   hardware::ForwardMove arc() {

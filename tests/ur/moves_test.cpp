@@ -2,7 +2,7 @@
 #include <cmath>
 
 #include "drivers/ur/far_moves.hpp"
-#include "drivers/ur/move_queue.hpp"
+#include "drivers/ur/move_shape.hpp"
 #include "tests/support/wire_rig.hpp"
 #include "tests/ur/forward_rig.hpp"
 
@@ -37,7 +37,7 @@ ForwardMove line_by(const ur::Six& from, const Vec3& by) {
   Pose at = ur_chain().forward(from);
   at.position = at.position + by;
   const auto jacobian = [](const ur::Six& q, std::array<double, 36>& J) { return ur_chain().jacobian(q, J); };
-  ForwardMove out = joint_move(*ur::near_joints(jacobian, at, from));
+  ForwardMove out = joint_move(*forward::near_joints(jacobian, at, from));
   out.kind = ForwardMove::Kind::line;
   return out;
 }
@@ -122,7 +122,7 @@ TEST(UrMoves, TheProgramHasNoGapsAndReadsWhatIsSent) {
 }
 
 TEST(UrMoves, AHaltThatTheProgramDoesNotConfirmIsNoticed) {
-  ur::MoveQueue queue(frame());
+  ur::MoveQueue queue(frame(), ur::kMoveSlots);
   ur::MoveReport report;
   report.q = kFrom;
   queue.begin(report);

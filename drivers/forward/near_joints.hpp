@@ -8,7 +8,7 @@
 #include "drivers/wire/shaper.hpp"
 #include "polyarm/base/pose.hpp"
 
-namespace polyarm::ur {
+namespace polyarm::forward {
 
 using wire::Six;
 
@@ -36,4 +36,4 @@ std::optional<Six> near_joints(const Jacobian& jacobian, const Pose& target, Six
   return std::nullopt;
 }
 
-}  // namespace polyarm::ur
+}  // namespace polyarm::forward
