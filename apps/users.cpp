@@ -74,12 +74,12 @@ void print_list(const users::UserList& list, bool json) {
   if (json) {
     nlohmann::ordered_json out = nlohmann::ordered_json::array();
     for (const users::User& user : list.all())
-      out.push_back({{"name", user.name}, {"role", users::word_of(user.role)}});
+      out.push_back({{"name", user.name}, {"role", protocol::name(user.role)}});
     fmt::print("{}\n", out.dump());
     return;
   }
   if (list.all().empty()) fmt::print("there are no users: the pendant is opened with its link\n");
-  for (const users::User& user : list.all()) fmt::print("{:<34}{}\n", user.name, users::word_of(user.role));
+  for (const users::User& user : list.all()) fmt::print("{:<34}{}\n", user.name, protocol::name(user.role));
 }
 
 int change(const std::string& verb, UsersArguments& a) {

@@ -43,16 +43,16 @@ class MoveBuffer {
   void collect();
   const std::deque<hardware::ForwardMove>& waiting() const noexcept { return waiting_; }
   const std::deque<Sent>& sent() const noexcept { return sent_; }
-  /// The first waiting move begins, or will begin, at the joints `from`.
+  /// The first waiting move was sent as `number`, and begins at the joints `from` (kept in Sent).
   void send(int number, const Six& from);
-  /// True if the first waiting move may be sent: the move before it does not end at rest, and one that blends
-  /// has the move after it.
+  /// True if the first waiting move may be sent: fewer than `most` moves are sent and not over, the last of
+  /// them does not end at rest, and if the waiting one blends, the move after it waits too.
   bool may_send(std::size_t most) const noexcept;
   /// The controller says that all moves up to this number have ended.
   void end_up_to(int number) noexcept { ended_ = std::max(ended_, number); }
   /// Finds the moves that are over: ended at the controller, and if a move ends at rest, the robot stands
-  /// within 0.01 rad of that end. `time`: s, of any one clock. Returns the joint that is elsewhere though
-  /// the move ended kLanding seconds ago.
+  /// within 0.01 rad of that end. Returns the joint that is farthest from it once the robot has stood
+  /// elsewhere for 3 s. `time`: s, of any one clock.
   std::optional<int> land(const Six& q, bool still, double time);
   /// The controller has forgotten its moves: what it did not end waits again, and the first of them begins
   /// somewhere on its path.

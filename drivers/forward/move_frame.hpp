@@ -33,7 +33,7 @@ double blend_of(const hardware::ForwardMove& move, const Six& from, const hardwa
 
 /// A line or an arc as the controller makes it.
 struct CartesianWay {
-  bool arc = false;  ///< false: the points of an arc are on one line, or out of reach
+  bool arc = false;  ///< also false for an arc whose points are on one line or out of reach
   Six via{};         ///< joints at the point on the way of an arc
   double speed = 0;  ///< m/s, at which no joint exceeds its limit anywhere; 0: the TCP only turns
   double turn = 0;   ///< rad, of the TCP

@@ -47,8 +47,8 @@ class MoveQueue final : public hardware::ForwardMoves {
   void clear() noexcept override { buffer_.clear(); }
   hardware::ForwardFlow flow() const noexcept override;
 
-  /// A program began on the controller: nothing is left of what was wanted before. `last`: what the
-  /// controller says of an earlier program, perhaps for one more cycle.
+  /// A program began on the controller: all moves and halts of before are forgotten. `last`: the report of
+  /// now. Its numbers may be those of an earlier program for one more cycle, so new ones count on from them.
   void begin(const MoveReport& last);
   /// In each cycle of the controller, before the control thread hears of it.
   void take(const MoveReport& report);
@@ -84,7 +84,7 @@ class MoveQueue final : public hardware::ForwardMoves {
   Phase phase_ = Phase::running;
   Six place_{};  ///< about where the robot has been since moved_at_
   double moved_at_ = 0, slowing_since_ = 0, halting_since_ = 0;
-  bool led_ = false;  ///< the loop has commanded: what counts begins there, and so in each run alike
+  bool led_ = false;  ///< next() was called: rest is judged from there on, so that runs repeat themselves
   int number_ = 0, halts_ = 0;
   std::optional<Pose> tool_;
   std::optional<double> slider_;

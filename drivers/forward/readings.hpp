@@ -1,5 +1,5 @@
 #pragma once
-/// The joints of a controller that is asked for them, and answers slower than the loop runs. Radians. Control
+/// Joint positions of a controller that answers requests more slowly than the loop runs. Radians. Control
 /// thread; nothing waits, locks or allocates.
 #include <algorithm>
 
@@ -10,7 +10,8 @@ namespace polyarm::forward {
 
 using wire::Six;
 
-/// One reading behind: a straight line from reading to reading.
+/// Goes straight from reading to reading, so it is one reading late. After 0.5 s without a reading, or when
+/// the count begins anew, it jumps to the next one.
 class Readings {
  public:
   /// `q`: of the newest reading; `count`: of readings, from 1.

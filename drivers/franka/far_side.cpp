@@ -49,7 +49,7 @@ constexpr wire::OrderKind kKinds[] = {
     {"hand_close", "the connection of the hand closes"},
     {"hand_version", "the hand speaks this version (4)"},
     {"power_off", "the robot loses its power"},
-    {"healthy", "ends all of these that are not people's doing"},
+    {"healthy", "ends all of these, except what people do at the robot"},
 };
 
 }  // namespace

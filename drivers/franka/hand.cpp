@@ -1,5 +1,7 @@
 #include "drivers/franka/hand.hpp"
 
+#include <arpa/inet.h>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -104,6 +106,9 @@ bool Hand::open(Nanoseconds timeout) {
   close();
   refusal_ = {};
   if (!port_.open(timeout)) return refuse_port();
+  in_addr peer{};
+  ::inet_pton(AF_INET, port_.peer_address().c_str(), &peer);
+  robot_host_ = peer.s_addr;
   std::string why;
   states_ = wire::bind_udp(port_.own_address(), 0, why);
   if (!states_) return refuse(Cause::hand_unreachable, 0, why);
@@ -135,14 +140,18 @@ void Hand::close() {
 /// States and replies that have come.
 bool Hand::take() {
   std::array<std::uint8_t, 64> bytes;
+  wire::UdpAddress from;
   for (int i = 0; i < 64; ++i) {
-    const wire::Received got = wire::receive_datagram(states_.number(), bytes);
+    const wire::Received got = wire::receive_datagram(states_.number(), bytes, &from);
     if (got.got != wire::Got::bytes) break;
+    if (from.host != robot_host_) continue;
     const auto state = decode_hand_state(Bytes(bytes).first(got.count));
     if (!state) return refuse(Cause::bad_data);
-    if (seen_ && state->id < state_.id) continue;  // it came behind a later one
+    // Behind a later one; the difference also holds when the 32 bits overflow.
+    if (seen_ && static_cast<std::int32_t>(state->id - state_.id) < 0) continue;
     state_ = *state;
     seen_ = true;
+    heard_at_ = realtime::monotonic_now();
   }
   if (!port_.receive()) return refuse_port();
   while (const auto frame = port_.next())
@@ -207,6 +216,7 @@ bool Hand::order(const HandOrder& order, Nanoseconds now) {
 bool Hand::serve(const HandWish& wish, Nanoseconds now, Nanoseconds timeout) {
   if (refusal_.cause != Cause::none || !take()) return false;
   wanted_ = wish;
+  if (now - heard_at_ > timeout) return refuse(Cause::hand_silent);
   const bool waits = asked_ || stop_;
   if (waits && now - asked_at_ > (stop_ ? timeout : kMotion)) return refuse(Cause::hand_silent);
   if (stop_) return true;

@@ -54,7 +54,7 @@ class Hand {
   /// Connects, and waits for the first state. False: see refusal().
   bool open(Nanoseconds timeout);
   void close();
-  /// What was wanted before counts no more.
+  /// Drops all wishes.
   void forget() { wanted_ = done_ = HandWish(); }
   /// One exchange: takes states and replies, and orders what `wish` changed. Never waits. False: see
   /// refusal().
@@ -76,6 +76,7 @@ class Hand {
   HandSettings settings_;
   Port port_;
   Descriptor states_;
+  std::uint32_t robot_host_ = 0;  // network byte order
   HandState state_;
   bool seen_ = false;
   HandWish wanted_, done_;
@@ -87,6 +88,7 @@ class Hand {
   std::optional<Asked> asked_;
   std::optional<std::uint32_t> stop_;  ///< id of a stop without a reply yet
   Nanoseconds asked_at_ = 0;
+  Nanoseconds heard_at_ = 0;  ///< of the newest state
   Refusal refusal_;
 };
 

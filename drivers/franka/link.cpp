@@ -67,7 +67,7 @@ void Link::run() {
   }
 }
 
-/// What is left of an earlier motion counts no more.
+/// Forgets an earlier motion.
 void Link::begin_session(Nanoseconds now) {
   commanded_ = late_ = anchored_ = false;
   puzzled_ = 0;
@@ -169,7 +169,7 @@ void Link::judge_motion() {
   explain_end();
 }
 
-/// The mode says most; the reply says more than the mode `idle`. Both do not come at once.
+/// The mode says most; the reply says more than the mode `idle`. They come in any order.
 void Link::explain_end() {
   ++puzzled_;
   const bool sure = puzzled_ > kPuzzled;
@@ -229,9 +229,10 @@ void Link::answer(Nanoseconds now) {
     velocities_.begin();
     send(by_velocity() ? velocities_.at() : shaper_.at());
     if (renew_) return;
-    commands_.fetch();  // what was commanded before counts no more
+    commands_.fetch();  // drops a command from before the start
     commanded_at_ = now;
     const std::lock_guard lock(mutex_);
+    if (phase_ != Phase::starting) return;  // stop() gave the start up meanwhile
     phase_ = Phase::streaming;
     return changed_.notify_all();
   }

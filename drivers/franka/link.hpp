@@ -164,7 +164,7 @@ class Link : public wire::LinkBase<Cause> {
   std::uint32_t robot_host_ = 0;  // network byte order
   std::string own_address_;
 
-  std::recursive_mutex hand_mutex_;  // the hand; never another thread's
+  std::mutex hand_mutex_;  // the hand and its wish; never the control thread's of a real robot
   Hand hand_;
   bool hand_open_ = false;
   Descriptor hand_wake_;

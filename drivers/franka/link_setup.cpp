@@ -121,9 +121,13 @@ std::optional<Status> Link::request(Request what, const Data& data) {
   const auto number = number_of(what, version_);
   if (!number) return Status::not_possible;
   std::unique_lock lock(mutex_);
+  replies_.clear();  // requests come one at a time: nobody waits for an older reply
   const auto id = port_.send(*number, data);
   const auto came = [&] { return fault_ || (id && replies_.contains(*id)); };
-  if (id) changed_.wait_for(lock, std::chrono::nanoseconds(settings_.timeout), came);
+  // The robot may move before it answers that it recovered.
+  const Nanoseconds most = what == Request::recover ? std::max(settings_.timeout, settings_.start_timeout)
+                                                    : settings_.timeout;
+  if (id) changed_.wait_for(lock, std::chrono::nanoseconds(most), came);
   if (id && replies_.contains(*id)) {
     const Status status = status_of(replies_[*id].data[0], what, version_);
     replies_.erase(*id);
@@ -272,6 +276,11 @@ bool Link::start() {
 /// Where the robot ended the motion by itself, nothing is changed.
 void Link::stop() {
   if (phase_ == Phase::idle) return;
+  {
+    const std::lock_guard lock(hand_mutex_);
+    wishes_.fetch();
+    hand_wish_ = HandWish();  // the hand ends what it does, and begins nothing new
+  }
   {
     std::unique_lock lock(mutex_);
     if (phase_ == Phase::starting) stands_ = true;

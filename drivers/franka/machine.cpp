@@ -46,9 +46,8 @@ Seven in_degrees(Seven values) {
 MachineFacts facts_of(const description::RobotModel& model) {
   const auto joints = wire::revolute_joints(model, 7, 7, "franka/fr3");
   MachineFacts out;
-  out.model = model.name.substr(model.name.find('/') + 1);
-  const bool panda =
-      out.model.find("panda") != std::string::npos || out.model.find("fer") != std::string::npos;
+  const std::string type = model.name.substr(model.name.find('/') + 1);
+  const bool panda = type.find("panda") != std::string::npos || type.find("fer") != std::string::npos;
   out.version = panda ? 5 : 9;
   for (std::size_t i = 0; i < 7; ++i) {
     out.lower[i] = joints[i]->limits.lower.value_or(-2.8);
@@ -93,13 +92,11 @@ void Machine::end_motion(Status status) {
 }
 
 void Machine::press_user_stop(bool on) {
-  pressed_ = on;
   if (on) return stop_with(RobotMode::user_stopped, Status::user_stop);
   if (mode_ == RobotMode::user_stopped) mode_ = brakes_closed_ ? RobotMode::other : RobotMode::idle;
 }
 
 void Machine::guide(bool on) {
-  guided_ = on;
   if (on && mode_ != RobotMode::user_stopped && mode_ != RobotMode::other)
     return stop_with(RobotMode::guiding, Status::preempted);
   if (mode_ == RobotMode::guiding) mode_ = RobotMode::idle;
@@ -261,10 +258,8 @@ void Machine::judge_force() {
 
 Machine::Answer Machine::answer(Request request, Bytes data, std::uint32_t id) {
   switch (request) {
-    case Request::move: {
-      const Status status = begin(data, id);
-      return {status, status == Status::started};
-    }
+    case Request::move:
+      return {begin(data, id)};
     case Request::stop_move:
       if (!moves()) return {Status::not_possible};
       stop_with(RobotMode::idle, Status::preempted);

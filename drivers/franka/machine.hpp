@@ -18,7 +18,6 @@ namespace polyarm::franka {
 
 /// What the robot's type fixes.
 struct MachineFacts {
-  std::string model = "fr3";
   int version = 9;  ///< of the interface: 5 for a Panda
   Seven lower{}, upper{};
   std::shared_ptr<const kinematics::Chain> chain;  ///< to the flange
@@ -52,7 +51,6 @@ class Machine {
   // What a client asks for.
   struct Answer {
     Status status = Status::success;
-    bool later = false;  ///< a reply comes when the motion has ended
   };
   Answer answer(Request request, Bytes data, std::uint32_t id);
   /// A command for the newest state; an older one counts as none.
@@ -63,13 +61,10 @@ class Machine {
   std::optional<std::pair<std::uint32_t, Status>> take_end() { return std::exchange(end_, std::nullopt); }
   RobotState state() const;
 
-  MachineOptions& options() { return options_; }
   int version() const { return options_.facts.version; }
   std::uint64_t id() const { return id_; }
   RobotMode mode() const { return mode_; }
   bool moves() const { return mode_ == RobotMode::move; }
-  /// A command has come for the newest state.
-  bool commanded() const { return command_.has_value(); }
   const ErrorFlags& errors() const { return errors_; }
   const CollisionBehavior& collision() const { return collision_; }
   const Load& load() const { return load_; }
@@ -114,7 +109,7 @@ class Machine {
   Generator generator_ = Generator::idle;
   Controller controller_ = Controller::other;
   ErrorFlags errors_, reflex_;
-  bool pressed_ = false, guided_ = false, brakes_closed_ = false, safe_ = false;
+  bool brakes_closed_ = false, safe_ = false;
   std::optional<RobotCommand> command_;
   std::optional<std::uint32_t> motion_;
   std::optional<std::pair<std::uint32_t, Status>> end_;

@@ -76,7 +76,8 @@ std::string wire_sentence(Cause cause, int detail, const std::string& where, con
       return where + " sends no states" + (text.empty() ? "" : " to " + text) +
              ": check cable and power, and that a firewall lets UDP in from the robot";
     case Cause::bad_data:
-      return where + " sent what is not of the Franka Control Interface: check address and `port`";
+      return where +
+             " sent data that does not belong to the Franka Control Interface: check address and `port`";
     case Cause::closed:
       return where +
              " closed the connection: FCI was switched off in Desk, or the robot restarts; activate FCI" +
@@ -160,7 +161,7 @@ std::string error_sentence(Cause cause, int detail, const std::string& where, co
     case Cause::deviation:
       return where + " stopped because it was not where it was commanded" + what;
     case Cause::communication:
-      return where + " stopped for want of commands" + what;
+      return where + " stopped because commands were missing" + what;
     case Cause::controller_error:
       return where + " stopped for an error of its own" + what;
     case Cause::reflex_pending:

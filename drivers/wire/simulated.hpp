@@ -13,7 +13,8 @@
 
 namespace polyarm::wire {
 
-/// Faults in seconds since the first activation, and what ends them. One thread.
+/// Orders that are given at a time (s of active cycles, from the first activation on), or when the driver
+/// starts again. One thread.
 class DueOrders {
  public:
   DueOrders() = default;
@@ -25,7 +26,7 @@ class DueOrders {
       if (!one.again && !one.order.empty() && since_ >= one.at) far.order(std::exchange(one.order, ""));
     since_ += period;
   }
-  /// The driver starts (again): orders what ends the faults that were given.
+  /// The driver starts: gives each `KIND@again` whose timed orders before it were given.
   template <typename FarSide>
   void start(FarSide& far) {
     for (TimedOrder& one : orders_) {

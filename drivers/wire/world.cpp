@@ -58,10 +58,6 @@ CallbackReturn World::activate() {
   return done;
 }
 
-void World::shut_down() {
-  inside_->on_shutdown();
-}
-
 void World::command(std::span<const double> commands) noexcept {
   for (std::size_t i = 0; i < command_places_.size(); ++i) inner_commands_[command_places_[i]] = commands[i];
 }

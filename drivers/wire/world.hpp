@@ -24,7 +24,6 @@ class World {
   /// start.
   hardware::CallbackReturn configure();
   hardware::CallbackReturn activate();
-  void shut_down();
 
   /// A cycle: the joints of the robot (rad) and the newest commands go in, `states` come out.
   hardware::ReturnType step(const hardware::Cycle& cycle, std::span<const double> joints,

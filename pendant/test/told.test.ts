@@ -33,12 +33,12 @@ beforeEach(() => {
 });
 
 describe('what drivers tell', () => {
-  const drivers = Object.values(import.meta.glob('../../drivers/{ur,fanuc,abb,kuka,yaskawa,xarm,wire}/{words,tcp}.cpp', { query: '?raw', import: 'default', eager: true }) as Record<string, string>);
+  const drivers = Object.values(import.meta.glob('../../drivers/{ur,fanuc,abb,kuka,yaskawa,xarm,franka,wire}/{words,tcp}.cpp', { query: '?raw', import: 'default', eager: true }) as Record<string, string>);
   /** The texts of each file in one line: sentences are written in pieces, with names between them. */
   const written = drivers.map((text) => [...text.matchAll(/"((?:[^"\\\n]|\\.)*)"/g)].map(([, piece]) => piece).join(''));
 
   it('has no row that no driver says any more', () => {
-    expect(written.length).toBe(8);
+    expect(written.length).toBe(9);
     for (const [key, pattern] of kDeviceRows) {
       const free = new RegExp(pattern.source.replaceAll('^', '').replaceAll(' .* ', '.{0,80}'));
       expect(written.some((each) => free.test(each)), key).toBe(true);
@@ -53,6 +53,8 @@ describe('what drivers tell', () => {
     expect(fault(stop)).toMatch(/^El controlador en 10\.0\.0\.7 hizo una parada de protección/);
     expect(fault('the controller at 10.0.0.7 stopped for a collision (C31): currents; then recover here')).toMatch(/\(C31\)$/);
     expect(fault('the fence of the controller at 10.0.0.7 is open: close it')).toMatch(/protección del controlador en 10/);
+    expect(fault('the controller at 10.0.0.9: somebody pressed the user stop; release it; then recover here')).toMatch(/^El controlador en 10\.0\.0\.9 está en parada de emergencia/);
+    expect(fault('the controller at 10.0.0.9 closed the connection at once: activate FCI in Desk, end other programs that use the robot')).toMatch(/^Otro programa usa el controlador en 10/);
     expect(fault('its cable is chewed')).toBe('its cable is chewed');
   });
 });

@@ -1,4 +1,5 @@
 /// Bases with wheels in a rehearsal.
+#include <cmath>
 #include <utility>
 
 #include "polyarm/cell/rehearsal_stage.hpp"
@@ -15,7 +16,7 @@ Pose Stage::root_of(std::size_t robot) const {
   return arms_[robot].base * inverse(cell_.motions->base(robot).tracked());
 }
 
-/// A base is followed along its way. Nothing is planned for a drive by a length and a turn.
+/// The base then stands at the end of the drive or turn. Only the way to a pose is planned.
 void Stage::drive(const program::Move& move, const Asked& asked) {
   const std::size_t index = moves_->base_of(move, asked.where);
   Arm& base = arms_[index];
@@ -26,10 +27,13 @@ void Stage::drive(const program::Move& move, const Asked& asked) {
     surroundings::Moment moment;
     for (std::size_t i = 0; i < arms_.size(); ++i) moment.robots.push_back({root_of(i), arms_[i].at});
     const Pose from = std::exchange(base.base, *goal);
-    base.base.position.z = from.position.z;
+    const Vec3 ahead = goal->rotation * Vec3{1, 0, 0};
+    base.base = {{goal->position.x, goal->position.y, from.position.z},
+                 from_rpy(0, 0, std::atan2(ahead.y, ahead.x))};
     AroundOptions options;
     options.clearance = cell_.setup.file.clearance;
     cell_.motions->wheels(index)->check_way();
+    ++out_.moves;
     base_search(fixed_bodies(), std::move(moment),
                 {index, cell_.motions->base(index).tracked(), *goal, options})();
   } else {

@@ -16,7 +16,7 @@ using surroundings::Approach;
 
 namespace {
 
-Facts facts_of(const Approach& a) {
+polyarm::Facts approach_facts(const Approach& a) {
   const bool contact = a.distance <= 0;
   return {{"a", a.first},
           {"b", a.second},
@@ -32,7 +32,7 @@ Problem problem_of(const Approach& a, const Location& where, double clearance) {
             a.at_start ? "move the base of the robot, the obstacle, or where it starts (home)"
                        : "move the points or the obstacle, or let the move go around it: `around true`",
             Severity::error,
-            facts_of(a)};
+            approach_facts(a)};
   return {
       "clearance",
       where,
@@ -40,7 +40,7 @@ Problem problem_of(const Approach& a, const Location& where, double clearance) {
       fmt::format("the cell requires {:g} mm (contacts: {{clearance: …}}): move the points or the obstacle",
                   1e3 * clearance),
       Severity::warning,
-      facts_of(a)};
+      approach_facts(a)};
 }
 
 }  // namespace
@@ -136,7 +136,7 @@ std::vector<Problem> contacts_at_rest(const CellInside& cell) {
                      fmt::format("{} is {:.2f} mm inside {} {}, at ({:.3f}, {:.3f}, {:.3f})", a.first,
                                  -1e3 * a.distance, a.second, home ? "at home" : "where it starts", a.point.x,
                                  a.point.y, a.point.z),
-                     "move the base of the robot, the obstacle, or its home", Severity::error, facts_of(a)});
+                     "move the base of the robot, the obstacle, or its home", Severity::error, approach_facts(a)});
     }
   }
   return out;

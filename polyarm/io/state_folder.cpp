@@ -124,6 +124,7 @@ StateFolder::StateFolder(fs::path cell_folder, std::set<std::string> live, bool 
     if (wait_limit_ms >= 0) lock_ = lock_of(folder_ / ".state" / ("lock." + cell), wait_limit_ms);
     if (lock_) sweep_temporaries(folder_);
     sweep_temporaries(folder_ / ".state");
+    sweep_temporaries(folder_ / ".state" / "recordings");
     sweep_temporaries(state_);
   } else {
     grant_ = reach().grant();

@@ -139,6 +139,7 @@ bool JogGenerator::setpoint_on_line(const JogSetpoint& wish, const Twist& wanted
   if (linear(error) > kTooFar || angular(error) > kTooFar / length_) {
     lead_.return_to(tcp());
     line_.end();
+    solver_.at(soon);  // without the weights of the line
     return false;
   }
   rates_on_line(rates);

@@ -100,7 +100,7 @@ bool JogGenerator::standing() const noexcept {
 }
 
 void JogGenerator::note(JogHold hold, std::size_t which) noexcept {
-  if (hold < hold_) return;
+  if (hold == JogHold::none || hold < hold_) return;
   hold_ = hold;
   which_ = static_cast<std::int32_t>(which);
 }

@@ -48,9 +48,10 @@ struct JogLimits {
 /// Call step() once in each cycle, then read the commanded joint values. Use from one thread. start(), step()
 /// and the queries do not allocate, lock, throw or read a clock.
 ///
-/// A TCP wish goes through a lead (TcpLead) and becomes joint velocities (TwistSolver). These are reduced in
-/// time before joint limits, workspace boundaries and barriers on the path, and the joints follow them by jerk-limited
-/// steps. A step is accepted only if every joint can still brake within its limits after it, and the TCP
+/// A TCP wish goes through a lead (TcpLead) and becomes joint velocities (TwistSolver). A velocity in one
+/// direction is followed on a line (JogLine), which slows the motion down before limits instead of bending it.
+/// Other velocities are reduced in time before joint limits, workspace boundaries and barriers. The joints
+/// follow by jerk-limited steps. A step is accepted only if every joint can still brake within its limits after it, and the TCP
 /// stays in the workspace meanwhile. Otherwise it is reduced, down to braking, which the previous cycle has
 /// checked to be possible.
 class JogGenerator {

@@ -111,10 +111,22 @@ bool JogLine::begin(std::span<const double> q, const Pose& tcp, const Twist& uni
   stop_ = {};
   std::copy_n(q.begin(), joints_, q_.begin());
   solver_.at(q);
-  if (!tangent_at(q, 0, tangent_)) return false;
+  put_on_line();
+  if (!tangent_at({q_.data(), joints_}, 0, tangent_)) return false;
   bend_ = {};
   add(0, tangent_, 0);
   return true;
+}
+
+/// Joints that are a little beside the beginning of the path come onto it. The solver is at them.
+void JogLine::put_on_line() noexcept {
+  Twist error = between({solver_.position(), solver_.rotation()}, start_);
+  if (solver_.columns() < 6) error[3] = error[4] = error[5] = 0;
+  if (linear(error) == 0 && angular(error) == 0) return;
+  JogValues back;
+  solver_.exact(error, back);
+  for (std::size_t j = 0; j < joints_; ++j) q_[j] += back[j];
+  solver_.at({q_.data(), joints_});
 }
 
 /// `step`: from the last node; 0: it is the first one.
@@ -237,7 +249,8 @@ bool JogLine::brakes_in_time(const AxisState& from, double joint_share, const St
   double at = from.position, v = from.velocity, a = from.acceleration;
   std::size_t before = 0;
   Node here;
-  for (int k = 0; k < kMostLooks; ++k) {
+  int looks = 0;
+  for (; looks < kMostLooks; ++looks) {
     while (before + 1 < count_ && nodes_[before + 1].at <= at) ++before;
     here = between_nodes(before);
     const double A = here.acceleration, J = here.jerk;
@@ -260,6 +273,10 @@ bool JogLine::brakes_in_time(const AxisState& from, double joint_share, const St
     a = next;
   }
   needed_ = std::max(0.0, at - state_.position);
+  if (looks == kMostLooks) {  // it rests farther away than it looks
+    stop_ = {0, JogHold::speed, 0};
+    return false;
+  }
   if (!ends_ && is_known_ && at > nodes_[count_ - 1].at) {
     stop_ = {0, JogHold::speed, 0};
     return false;

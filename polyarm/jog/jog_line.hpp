@@ -34,9 +34,9 @@ class JogLine {
 
   bool on() const noexcept { return count_ > 0; }
   void end() noexcept { count_ = 0; }
-  /// The path from the pose `tcp` with the joints at `q`. `unit`: the twist there, its linear part of length
-  /// 1, or its angular part if there is no linear part. `turns`: the twist turns with the TCP. `speed` and
-  /// `slope`: of the motion along it now. False in a singularity that the path needs to leave.
+  /// The path from the pose `tcp`; the joints `q` are there, or a little beside it. `unit`: the twist there,
+  /// its linear part of length 1, or its angular part if there is no linear part. `turns`: the twist turns
+  /// with the TCP. `speed` and `slope`: of the motion along it now. False in a singularity that the path needs to leave.
   bool begin(std::span<const double> q, const Pose& tcp, const Twist& unit, bool turns, double speed,
              double slope) noexcept;
 
@@ -73,8 +73,9 @@ class JogLine {
   JogHold hold() const noexcept { return stop_.hold; }
   std::size_t which() const noexcept { return stop_.which; }
 
-  /// Joint velocities for a twist, exact. An arm with spare joints leaves those to others that come near
-  /// their limits. `solver` is at `q`. False if a singularity takes a part of the twist.
+  /// Exact joint velocities for a twist. In an arm with spare joints, those near their limits do less and
+  /// others do more. `solver` is at `q`, and keeps the weights. False if a singularity takes a part of the
+  /// twist.
   bool rates_for(const Twist& twist, std::span<const double> q, TwistSolver& solver,
                  JogValues& rates) const noexcept;
 
@@ -92,6 +93,7 @@ class JogLine {
   Pose pose_at(double way) const noexcept;
   Twist direction_at(double way) const noexcept;
   bool tangent_at(std::span<const double> q, double way, JogValues& out) noexcept;
+  void put_on_line() noexcept;
   void add(double at, const JogValues& tangent, double step) noexcept;
   void extend() noexcept;
   bool try_extend(double by) noexcept;

@@ -66,8 +66,8 @@ class TwistSolver {
   /// out. Returns the share of the twist that they take. An arm with fewer than six joints turns as nearly as
   /// it can.
   double exact(const Twist& twist, JogValues& out) const noexcept;
-  /// Of a joint, (0, 1]: the less it weighs, the more others do for it. Until the next at(); counts after
-  /// decompose_again().
+  /// Of a joint, [0, 1]: the less it weighs, the more others do for it; 0: it does nothing. Counts for exact()
+  /// after decompose_again(), until the next at(). solve() and reach() need a decomposition without weights.
   void weigh(std::size_t joint, double weight) noexcept;
   void decompose_again() noexcept { prepare(); }
   std::size_t columns() const noexcept { return columns_; }

@@ -120,8 +120,8 @@ end
 
 /// Docking of bases with wheels (docs/moves.md).
 constexpr std::string_view kBase =
-    R"(# In front of a dock that two places at its face tell, its left and its right end as the base sees them: `away` from the
-# line between them, before its middle, with the front of the base towards it.
+    R"(# The pose in front of a dock, from two places on its face: its left and its right end, as the base sees them. It is
+# `away` from the middle of the line between them, and the front of the base points to the dock.
 func dock_pose(left, right, away = 500mm)
   let facing = atan2(right.x - left.x, left.y - right.y)
   let middle = interpolate(left, right, 50%)
@@ -134,7 +134,7 @@ func dock_at(left, right, away = 500mm, gap = 100mm, pace = 50mm/s)
   drive away - gap, speed pace
 end
 
-# Back from the dock, and then to a pose.
+# Backwards by `away`, and then to a pose around obstacles.
 func undock_to(goal, away = 500mm, pace = 100mm/s)
   drive -away, speed pace
   drive goal

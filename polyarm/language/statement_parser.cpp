@@ -144,10 +144,10 @@ void parse_wait(TokenCursor& cursor, Statement& out) {
   if (cursor.is_word("user") || cursor.is_word("input")) {
     if (cursor.peek(1).kind == TokenKind::end) return parse_ask(cursor, out);
     if (cursor.peek(1).kind == TokenKind::text) return parse_ask(cursor, out);
-    if (cursor.peek(1).kind == TokenKind::name &&
-        !among(lower(cursor.peek(1).text), {"timeout", "and", "or"}))
+    if (cursor.peek(1).kind == TokenKind::name && begins_value(cursor, 1))
       throw SyntaxError{"unexpected", cursor.peek(1).place,
-                        "a text was expected here, is " + shown(cursor.peek(1)),
+                        "a text was expected after '" + cursor.peek().text + "', here is " +
+                            shown(cursor.peek(1)),
                         "write the question in quotes: `wait user \"TEXT\"`"};
   }
   if (cursor.is_word("var") && begins_value(cursor, 1)) {

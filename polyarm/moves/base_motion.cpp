@@ -27,6 +27,7 @@ constexpr double kTimeout = 3;                                  // s after the p
 
 constexpr double kSideways = 3, kMostSideways = 0.3;  // 1/m, of ways: rad towards the line per
                                                       // metre beside it, and their maximum
+constexpr double kStrayed = 0.05;                     // m beside its leg: the base needs another way
 
 Vec3 ahead_of(const Pose& pose) {
   return pose.rotation * Vec3{1, 0, 0};
@@ -135,7 +136,7 @@ bool BaseMotion::take_way() {
   }
   way_ = std::move(job->legs);
   // The heading is put right at the end.
-  way_->push_back({true, {}, {}, heading_of(*move_.to)});
+  way_->push_back({true, move_.to->position, move_.to->position, heading_of(*move_.to)});
   leg_ = 0, leg_begun_ = false;
   return true;
 }
@@ -149,7 +150,7 @@ void BaseMotion::begin_leg() {
     const double turn = std::remainder(heading - place_.heading, 2 * std::numbers::pi);
     if (leg.turns && std::abs(turn) < kHereTurned) continue;
     const Vec3 from = T_odometry_world * leg.from, to = T_odometry_world * leg.to;
-    begin_ = leg.turns ? place_ : Place{from.x, from.y, place_.heading + turn};
+    begin_ = Place{from.x, from.y, place_.heading + (leg.turns ? 0 : turn)};
     const double length = std::hypot(to.x - from.x, to.y - from.y);
     begin(leg.turns, leg.turns ? turn : leg.backwards ? -length : length);
     leg_begun_ = true;
@@ -198,9 +199,15 @@ double BaseMotion::beside() const {
   return (place_.y - begin_.y) * std::cos(begin_.heading) - (place_.x - begin_.x) * std::sin(begin_.heading);
 }
 
+/// How far the base is from the line, or from the place of the turn.
+double BaseMotion::strayed() const {
+  if (turns_) return std::hypot(place_.x - begin_.x, place_.y - begin_.y);
+  const double done = covered();
+  return std::hypot(done - std::clamp(done, std::min(amount_, 0.0), std::max(amount_, 0.0)), beside());
+}
+
 std::optional<BaseMotion::Left> BaseMotion::left() const {
-  if (!active_) return std::nullopt;
-  if (move_.to && !leg_begun_) return Left{};
+  if (!active_ || (move_.to && !leg_begun_)) return std::nullopt;
   const double sign = amount_ < 0 ? -1 : 1;
   const double rest = std::max(0.0, sign * (amount_ - (planned_ ? covered() : 0)));
   return turns_ ? Left{0, rest} : Left{rest, 0};
@@ -252,6 +259,11 @@ void BaseMotion::tick(Nanoseconds now, bool running, double share) {
   const double done = covered();
   if (!planned_) {
     if (!controller_.standing()) return;
+    if (move_.to && strayed() > kStrayed) {  // somebody has moved it: another way
+      way_.reset();
+      leg_begun_ = false;
+      return;
+    }
     if (!plan(done)) return end(State::failed);
     planned_ = true;
   }

@@ -79,7 +79,7 @@ class BaseMotion {
 
   bool idle() const { return !active_; }
   /// What is left of the present move, or of the present leg of a way: m straight, or rad on the spot, not
-  /// negative. No move: nothing.
+  /// negative. Empty without a move, and while a move to a place has no leg: the base may still roll then.
   struct Left {
     double way = 0, turn = 0;
   };
@@ -102,6 +102,7 @@ class BaseMotion {
   bool is_silent(double dt);
   double covered() const;
   double beside() const;
+  double strayed() const;
   bool plan(double from);
   void begin(bool turns, double amount);
   bool has_leg();

@@ -64,7 +64,8 @@ FileSink::~FileSink() {
   if (!temporary_.empty()) ::unlink(temporary_.c_str());
 }
 
-/// Never replaces a file that was made meanwhile. File systems without hard links get a rename instead.
+/// A hard link never replaces a file that was made meanwhile. A file system without hard links gets a rename,
+/// which does.
 bool FileSink::publish() {
   const bool linked = ::link(temporary_.c_str(), path_.c_str()) == 0;
   if (!linked && errno != EEXIST && ::rename(temporary_.c_str(), path_.c_str()) == 0) {

@@ -30,7 +30,8 @@ constexpr auto kLook = std::chrono::milliseconds(50);
 /// Payloads of one port in a tick; open requests of one service; length of a name.
 constexpr int kMostInATick = 32;
 constexpr std::size_t kMostRequests = 64, kLongestName = 200;
-/// How long a client waits for the reply to one call before its next one goes out.
+/// How long a client waits for the reply to one call before its next one goes out; and how long calls wait for
+/// a server.
 constexpr auto kLongestCall = std::chrono::seconds(10);
 
 /// "std_msgs/msg/String" as "std_msgs::msg::dds_::String_".
@@ -145,13 +146,24 @@ class OpenPort {
   }
 
  private:
-  /// One call after the other: the wire knows the reply to the latest one only. Calls wait for a server.
+  /// One call after the other: the wire knows the reply to the latest one only. A server that comes late gets
+  /// no old calls.
   void call_next(NodePort& port) {
     const auto now = std::chrono::steady_clock::now();
-    if ((calling_ != 0 && now - called_ < kLongestCall) || !bridge_.wire().ready(id_)) return;
-    calling_ = 0;
+    if (bridge_.wire().ready(id_))
+      served_ = now;
+    else if (now - served_ < kLongestCall)
+      return;
+    else
+      return drop_calls(port);
+    if (calling_ != 0 && now - called_ < kLongestCall) return;
     if (!port.to_graph.take(letter_)) return;
+    calling_ = 0;
     if (bridge_.wire().call(id_, bytes_of(letter_.payload))) calling_ = letter_.number, called_ = now;
+  }
+  void drop_calls(NodePort& port) {
+    while (port.to_graph.take(letter_)) {
+    }
   }
   bool take_reply(std::span<const std::byte> reply) {
     const auto port = port_.lock();
@@ -176,6 +188,7 @@ class OpenPort {
   std::uint64_t requests_ = 0;
   std::uint64_t calling_ = 0;  ///< of a client: number of the call that waits for its reply; 0 if none does
   std::chrono::steady_clock::time_point called_;
+  std::chrono::steady_clock::time_point served_ = std::chrono::steady_clock::now();  ///< there was a server
   std::map<std::uint64_t, std::function<void(std::vector<std::byte>)>> asked_;
 };
 

@@ -154,18 +154,18 @@ Json joint_json(const description::RobotModel& model, const description::Joint& 
   return out;
 }
 
-/// Address of the GLB with the look of a gripper; empty for a tool that is drawn with its own shapes.
+/// Address of the GLB with the look of a gripper that has one.
 std::string address_of(const description::Tool& tool) {
-  return shapes::tool_shapes(tool).empty() ? std::string()
-                                           : "/api/mesh/" + shapes::tool_shapes_hash(tool) + ".glb";
+  return "/api/mesh/" + shapes::tool_shapes_hash(tool) + ".glb";
 }
 
 /// The visuals of a tool, in the frame of its flange. `slide`: how far one moves for each m between the pads.
 Json tool_visuals(const description::Tool& tool) {
+  const std::vector<shapes::ToolShape> look = shapes::tool_shapes(tool);
+  if (look.empty()) return shapes_json(tool.body, kTool);
   const std::string address = address_of(tool);
-  if (address.empty()) return shapes_json(tool.body, kTool);
   Json out = Json::array();
-  for (const shapes::ToolShape& each : shapes::tool_shapes(tool)) {
+  for (const shapes::ToolShape& each : look) {
     Json one{{"shape", "mesh"}, {"mesh", address}, {"node", each.name}, {"origin", pose_json({})}};
     if (norm(each.slide) > 0) one["slide"] = vec(each.slide);
     out.push_back(std::move(one));
@@ -356,7 +356,7 @@ Json requests_json() {
 std::map<std::string, description::Tool> grippers_of(const cell::CellView& cell) {
   std::map<std::string, description::Tool> out;
   for (const auto& robot : cell.robots())
-    if (const std::string address = address_of(robot->tool); !address.empty()) out[address] = robot->tool;
+    if (!shapes::tool_shapes(robot->tool).empty()) out[address_of(robot->tool)] = robot->tool;
   return out;
 }
 

@@ -27,7 +27,7 @@ constexpr Paint kWhite = paint(0xF2F2F0, 0.38f), kPearl = paint(0xE4E5E3, 0.42f)
 struct Row {
   const char* name;
   const char* maker;   ///< as in the catalogue; empty matches no maker
-  const char* models;  ///< beginnings of model names, separated by '|'; empty matches all
+  const char* models;  ///< beginnings of model names, or whole names with '$', separated by '|'; empty: all
   Build build;
   Paint base, body, fore, wrist, joint, cap;
   double edge, tube, corner, cap_size, dome;
@@ -45,8 +45,8 @@ constexpr Paint kFanucYellow = paint(0xF7C600, 0.42f), kFanucGreen = paint(0x6FA
 // name, maker, models, build, base, body, fore, wrist, joint ring, cover, edge, tube, corner, cover size,
 // dome
 constexpr std::array kRows{
-    Row{"universal_robots_dark", "Universal Robots", "UR3|UR5|UR7|UR10|UR12|UR16", Build::cobot, kUrHousing,
-        kUrBody, kUrBody, kUrHousing, kDark, kUrCap, 0.16, 0.70, 1, 0.93, 0.22, kUrHousing},
+    Row{"universal_robots_dark", "Universal Robots", "UR3$|UR3e|UR5|UR7|UR10|UR12|UR16", Build::cobot,
+        kUrHousing, kUrBody, kUrBody, kUrHousing, kDark, kUrCap, 0.16, 0.70, 1, 0.93, 0.22, kUrHousing},
     Row{"universal_robots", "Universal Robots", "", Build::cobot, kUrBody, kUrBody, kUrBody, kUrBody, kDark,
         kUrCap, 0.16, 0.80, 1, 0.93, 0.16},
     Row{"fanuc_crx", "FANUC", "CRX", Build::cobot, paint(0x3B3F43), kWhite, kWhite, kWhite, kCrxGreen, kWhite,
@@ -155,7 +155,8 @@ constexpr std::array kRows{
 bool fits(std::string_view models, std::string_view model) {
   for (std::size_t at = 0; at <= models.size();) {
     const std::size_t end = std::min(models.find('|', at), models.size());
-    if (model.starts_with(models.substr(at, end - at))) return true;
+    const std::string_view one = models.substr(at, end - at);
+    if (one.ends_with('$') ? model == one.substr(0, one.size() - 1) : model.starts_with(one)) return true;
     at = end + 1;
   }
   return false;
@@ -224,6 +225,7 @@ Paint* paint_of(Style& style, const std::string& key) {
   if (key == "wrist") return &style.wrist;
   if (key == "joints") return &style.joint;
   if (key == "covers") return &style.cap;
+  if (key == "housings") return style.housing ? &*style.housing : &style.housing.emplace(style.body);
   return nullptr;
 }
 
@@ -254,7 +256,7 @@ Style style_of(const description::RobotModel& model, Problems& problems) {
     Paint* const target = paint_of(out, key);
     const auto color = read_color(value);
     if (!target)
-      warn("there is no such key", "use style, base, body, forearm, wrist, joints or covers");
+      warn("there is no such key", "use style, base, body, forearm, wrist, housings, joints or covers");
     else if (!color)
       warn("'" + value + "' is not a colour", "write #rrggbb");
     else

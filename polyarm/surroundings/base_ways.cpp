@@ -98,12 +98,14 @@ class Ground : private SweepBodies {
     }
     for (const SweptBody& body : bodies_)
       if (is_own(body)) add_own(body);
+    for (const Own& own : own_) low_ = std::min(low_, own.low);
+    add_loads();
     for (const Own& own : own_) {
-      low_ = std::min(low_, own.low), high_ = std::max(high_, own.high);
+      high_ = std::max(high_, own.high);
       farthest_ = std::max(farthest_, own.farthest);
     }
     for (const SweptBody& body : bodies_)
-      if (!is_own(body) && body.kind != BodyKind::floor) add_other(body);
+      if (!is_own(body) && !is_load(body) && body.kind != BodyKind::floor) add_other(body);
     std::vector<collision::Bounds> bounds;
     for (const Other& other : others_) bounds.push_back(collision::bounds_of(other.body));
     if (!bounds.empty()) tree_ = collision::BoxTree(bounds);
@@ -218,9 +220,29 @@ class Ground : private SweepBodies {
     }
   }
 
+  bool is_load(const SweptBody& body) const {
+    return body.part >= 0 && static_cast<std::size_t>(body.part) < is_load_.size() &&
+           is_load_[static_cast<std::size_t>(body.part)] != 0;
+  }
+
+  /// Parts that nobody holds and that lie on the base, or on each other there.
+  void add_loads() {
+    is_load_.assign(moment_.parts.size(), 0);
+    for (bool more = true; std::exchange(more, false);)
+      for (const SweptBody& body : bodies_) {
+        if (body.part < 0 || is_load(body)) continue;
+        const std::optional<Pose> place = place_of(body);
+        const auto part = static_cast<std::size_t>(body.part);
+        if (!place || moment_.parts[part].held_by >= 0 || !lies_on_base(body, *place)) continue;
+        is_load_[part] = 1;
+        add_own(body);
+        more = true;
+      }
+  }
+
   void add_other(const SweptBody& body) {
     const std::optional<Pose> place = place_of(body);
-    if (!place || (body.part >= 0 && lies_on_base(body, *place))) return;
+    if (!place) return;
     for (const ConvexBody& piece : body.pieces) {
       Other other{moved(*place, piece), body.name};
       other.low = bottom(other.body), other.high = top(other.body);
@@ -229,7 +251,10 @@ class Ground : private SweepBodies {
     }
   }
 
+  /// What stands on the ground beside the base does not lie on it.
   bool lies_on_base(const SweptBody& part, const Pose& place) const {
+    for (const ConvexBody& piece : part.pieces)
+      if (bottom(moved(place, piece)) <= low_ + kGround) return false;
     const Pose T_world_plane = pose_of(start_);
     for (const ConvexBody& piece : part.pieces)
       for (const Own& own : own_)
@@ -262,6 +287,7 @@ class Ground : private SweepBodies {
   BasePlace start_;
   std::vector<std::vector<Pose>> frames_;
   std::vector<Own> own_;
+  std::vector<char> is_load_;  // by part
   std::vector<Other> others_;
   collision::BoxTree tree_;
   double low_ = std::numeric_limits<double>::infinity(), high_ = -low_, farthest_ = 0;

@@ -9,7 +9,7 @@
 
 namespace polyarm::surroundings {
 
-/// Where the frame stands about which a base turns.
+/// Position and heading of the frame about which a base turns.
 struct BasePlace {
   double x = 0, y = 0, heading = 0;
 };
@@ -25,8 +25,8 @@ struct BaseWayQuery {
   std::size_t robot = 0;  ///< index of the base
   Pose T_root_base;       ///< the frame that its wheels move, in the root link
   BasePlace goal;
-  double clearance = 0;        ///< to be kept from everything; less where start or goal leave less, and up to
-                               ///< 50 mm more where there is room
+  double clearance = 0;        ///< from everything; less if start or goal have less, and up to 50 mm more where
+                               ///< there is room
   std::function<bool()> stop;  ///< true ends the search; null: it ends after a number of tries alone
 };
 

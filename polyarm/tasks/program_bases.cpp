@@ -62,7 +62,6 @@ program::Handle ProgramMoves::start_base(const program::Move& move, const Locati
   return last_handle_;
 }
 
-/// The index of a robot that is a base and no arm; empty: another one.
 std::optional<std::size_t> ProgramMoves::only_base(const std::string& robot) const {
   const std::size_t index = robot_of(robot, {});
   const Robot& found = arms_[index].robot;

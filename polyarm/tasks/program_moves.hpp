@@ -112,6 +112,8 @@ class ProgramMoves {
   std::size_t base_of(const program::Move& move, const Location& where) const;
   /// T_world_goal of a `drive` to a pose; empty: it drives by a length, or turns.
   std::optional<Pose> base_goal(const program::Move& move, const Location& where) const;
+  /// The index of a robot that is a base without an arm; empty: it is another one. Throws Error for an
+  /// unknown robot.
   std::optional<std::size_t> only_base(const std::string& robot) const;
   /// here() of a base that stands at `place` in the world.
   data::Value place_in(const Pose& place, std::size_t base, const std::string& frame) const;

@@ -94,10 +94,6 @@ protocol::Role role_of_word(const std::string& word) {
               "watch, operate, program or administer");
 }
 
-const char* word_of(protocol::Role role) {
-  return protocol::name(role);
-}
-
 const User* UserList::find(const std::string& name) const {
   const auto found =
       std::find_if(users_.begin(), users_.end(), [&](const User& each) { return each.name == name; });
@@ -131,7 +127,7 @@ void UserList::remove(const std::string& name) {
 
 std::string UserList::text() const {
   std::string out = std::string(kHead) + "\n";
-  for (const User& each : users_) out += each.name + " " + word_of(each.role) + " " + each.hash + "\n";
+  for (const User& each : users_) out += each.name + " " + protocol::name(each.role) + " " + each.hash + "\n";
   return out;
 }
 

@@ -27,8 +27,6 @@ void require_good_name(const std::string& name);
 /// The role of a word: watch, operate, program, administer; view is the same as watch. Throws
 /// Error("bad-role").
 protocol::Role role_of_word(const std::string& word);
-/// The word for it.
-const char* word_of(protocol::Role role);
 
 class UserList {
  public:

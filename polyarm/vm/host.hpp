@@ -35,9 +35,8 @@ struct Move {
   enum class Kind { joint, line, arc, drive, turn };
   bool of_base() const { return kind == Kind::drive || kind == Kind::turn; }
   struct Target {
-    /// A pose or a joint state; for a base a length, an angle or
-    /// a pose. A single joint move or line may have a
-    /// record: an increment from the present position, of joints by name, or for a line of x, y, z, rx, ry,
+    /// A pose or a joint state; for a base a length, an angle or a pose. A single joint move or line may have
+    /// a record: an increment from the present position, of joints by name, or for a line of x, y, z, rx, ry,
     /// rz along the frame's axes.
     data::Value value;
     std::string name;  ///< its name in the program, for messages

@@ -130,6 +130,20 @@ TEST_F(BaseWaysOfPrograms, HeldOnItsWayItGoesOnAfterwards) {
   expect_at(2.4, 0, kPi / 2);
 }
 
+TEST_F(BaseWaysOfPrograms, MovedDuringAHoldItLooksForAnotherWay) {
+  start("drive pose(2.4m, 0, 0, 0, 0, 90deg)\n", kWall);
+  while (place().x() < 0.4 && now() < 30) cell->tick();
+  cell->result({{"request", "control.hold"}});
+  cell->run(2);
+  auto& base = dynamic_cast<controllers::BaseController&>(*cell->cell().loop().controllers().find("base"));
+  base.receive("set_odometry", controllers::Numbers{{0, -1, 0}}, false);
+  cell->run(0.1);
+  EXPECT_NEAR(place().y(), -1, 1e-6);
+  cell->result({{"request", "control.resume"}});
+  finish();
+  expect_at(2.4, 0, kPi / 2);
+}
+
 TEST_F(BaseWaysOfPrograms, ASpeedLimitsLinesOrTurns) {
   start("drive pose(1m, 1m), speed 0.2m/s\ndrive pose(), speed 20deg/s\n");
   double linear = 0, angular = 0;
@@ -163,6 +177,13 @@ TEST_F(BaseWaysOfPrograms, WithoutAWayTheLineFailsAndCheckSaysSoBefore) {
             std::string::npos)
       << checked(inside, kWall);
   EXPECT_EQ(checked("drive pose(2.4m)\ndrive pose()\n", kWall), "");
+}
+
+TEST_F(BaseWaysOfPrograms, CheckEndsAtItsLimitOfMoves) {
+  file("for i in 1 .. 100000\n  drive pose(0.2m)\n  drive pose()\nend\n", "");
+  const auto found = check(folder.path(), {}, description::Catalogue({}), {});
+  EXPECT_GT(found.moves, 400u);
+  EXPECT_LT(found.moves, 1000u);
 }
 
 TEST_F(BaseWaysOfPrograms, ItDocksAheadOfTwoPlaces) {

@@ -234,6 +234,15 @@ TEST(FrankaFaults, SilenceOfTheStatesIsNamed) {
   expect_standing(rig);
 }
 
+TEST(FrankaFaults, AHandWhoseStatesEndIsNamed) {
+  FrankaRig rig(Parameters{{"hand", "true"}, {"connect_timeout", "1"}});
+  ASSERT_TRUE(rig.start()) << rig.component.reason();
+  rig.far().order("hand_silent");
+  ASSERT_TRUE(rig.fails(100'000'000, [](int) {}));
+  EXPECT_EQ(rig.component.cause(), Cause::hand_silent) << rig.component.reason();
+  expect_standing(rig);
+}
+
 TEST(FrankaWords, EveryCauseSaysWhatToDo) {
   const auto name_of = [](Cause cause) { return franka::name(cause); };
   expect_words_for_every_cause(Cause::jump, franka::sentence, name_of, 36);

@@ -162,7 +162,7 @@ TEST_P(Versions, CommandsHaveTheirFieldsInTheirPlaces) {
   EXPECT_FALSE(decode_command(Bytes(bytes).first(300), version));
 }
 
-TEST_P(Versions, StatesThatNoRobotSendsAreNone) {
+TEST_P(Versions, StatesThatNoRobotSendsAreRefused) {
   const int version = GetParam();
   RobotState state = some_state();
   state.q[3] = std::nan("");

@@ -47,6 +47,8 @@ TEST(ServiceClients, ReachAServiceOfTheSameModule) {
   EXPECT_TRUE(client->remove_pending_request(removed));
   EXPECT_FALSE(client->remove_pending_request(removed));
   rclcpp::spin_some(driver);
+  EXPECT_EQ(called, 0);  // callbacks run on the client's executor
+  rclcpp::spin_some(node);
   EXPECT_EQ(called, 2);
   EXPECT_TRUE(plain.get()->success);
   EXPECT_FALSE(shared.future.get()->success);
@@ -97,6 +99,14 @@ TEST(ServiceClients, CallServicesOfTheGraphByTheirPort) {
   EXPECT_EQ(second.get()->message, "second");
 }
 
+TEST(ServiceClients, DoNotHangTheThreadThatServesTheGraph) {
+  const auto node = std::make_shared<rclcpp::Node>("caller");
+  const auto client = node->create_client<SetBool>("/nobody");
+  auto answer = client->async_send_request(request(true));
+  const polyarm_ros::ServesGraph mark;
+  EXPECT_EQ(rclcpp::spin_until_future_complete(node, answer), rclcpp::FutureReturnCode::TIMEOUT);
+}
+
 TEST(ServiceClients, ForgetTheOldestOfTooManyRequests) {
   const auto node = std::make_shared<rclcpp::Node>("caller");
   const auto client = node->create_client<SetBool>("/nobody");
@@ -109,6 +119,8 @@ TEST(ServiceClients, DoNotWaitOnTheThreadThatServesTheGraph) {
   const auto client = node->create_client<SetBool>("/nobody");
   const polyarm_ros::ServesGraph mark;
   EXPECT_FALSE(client->wait_for_service());  // elsewhere it would wait for ever
+  { const polyarm_ros::ServesGraph inner; }
+  EXPECT_FALSE(client->wait_for_service());
 }
 
 TEST(RobotDescription, IsGivenToControllersThatAskOtherNodes) {

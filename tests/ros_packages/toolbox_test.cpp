@@ -39,6 +39,19 @@ TEST(LowPassFilter, FollowsItsFormula) {
   }
 }
 
+TEST(ExponentialFilter, LeavesOutWhatIsNotFinite) {
+  control_toolbox::ExponentialFilter<double> filter(0.25);
+  double out = 0;
+  ASSERT_TRUE(filter.configure());
+  EXPECT_FALSE(filter.update(std::nan(""), out));
+  ASSERT_TRUE(filter.update(1, out));
+  EXPECT_EQ(out, 1);
+  ASSERT_TRUE(filter.update(std::nan(""), out));
+  EXPECT_EQ(out, 1);
+  ASSERT_TRUE(filter.update(5, out));
+  EXPECT_EQ(out, 2);
+}
+
 TEST(FilterChain, HasTheFiltersOfControlToolbox) {
   const auto node = node_with({Parameter("filter1.name", "low"),
                                Parameter("filter1.type", "control_filters/LowPassFilterVectorDouble"),
@@ -125,6 +138,10 @@ TEST(WaitForMessage, GetsTheNextOneOfTheTopic) {
   const auto publisher = node->create_publisher<std_msgs::msg::String>("/words", 10);
   std_msgs::msg::String message, got;
   EXPECT_FALSE(rclcpp::wait_for_message(got, heard, nullptr, std::chrono::milliseconds(1)));
+  {
+    const polyarm_ros::ServesGraph mark;
+    EXPECT_FALSE(rclcpp::wait_for_message(got, heard, nullptr));  // elsewhere it would wait for ever
+  }
   message.data = "now";
   publisher->publish(message);
   ASSERT_TRUE(rclcpp::wait_for_message(got, heard, nullptr, std::chrono::seconds(60)));

@@ -102,6 +102,9 @@ TEST(TransformBuffer, RefusesWhatIsNoTransformAndKeepsAtMostTenSeconds) {
   EXPECT_FALSE(buffer->setTransform(bad, ""));
   EXPECT_FALSE(buffer->setTransform(stamped("base", "base", 1, shift(0, 0, 0)), ""));
   EXPECT_FALSE(buffer->setTransform(stamped("", "base", 1, shift(0, 0, 0)), ""));
+  bad = stamped("map", "base", 1, shift(0, 0, 0));
+  bad.header.stamp.sec = -1;
+  EXPECT_FALSE(buffer->setTransform(bad, ""));
   for (int i = 0; i < 200; ++i)
     buffer->setTransform(stamped("map", "base", 100 + 0.1 * i, shift(i, 0, 0)), "");
   EXPECT_FALSE(buffer->canTransform("map", "base", tf2::timeFromSec(105)));
@@ -118,6 +121,7 @@ TEST(TransformBuffer, WaitsForATransformUntilItsTimeout) {
   EXPECT_EQ(waiting.get().transform.translation.x, 7);
   EXPECT_THROW(buffer->lookupTransform("map", "tool", tf2::TimePointZero, tf2::durationFromSec(0.001)),
                tf2::LookupException);
+  EXPECT_FALSE(buffer->canTransform("map", "tool", tf2::TimePointZero, std::chrono::milliseconds(1)));
 }
 
 TEST(TransformBuffer, TransformsMessagesByTheirHeader) {

@@ -213,6 +213,8 @@ TEST(RobotShapes, MakersDifferInColour) {
   };
   EXPECT_LT(style("universal_robots/ur5e").housing->color[0], style("universal_robots/ur5e").body.color[0])
       << "dark joints between light tubes";
+  EXPECT_TRUE(style("universal_robots/ur3").housing);
+  EXPECT_FALSE(style("universal_robots/ur30").housing) << "light, as the UR20";
   EXPECT_FALSE(style("abb/irb_120").housing) << "one paint for joints and links";
   EXPECT_GT(style("fanuc/crx_10ia").joint.color[1], style("fanuc/crx_10ia").joint.color[0]) << "green rings";
   EXPECT_NE(color("abb/irb_120"), color("abb/irb_6640_185_2_8")) << "white, and the older orange";
@@ -228,6 +230,10 @@ TEST(RobotShapes, ARobotFileMayChangeItsLook) {
   EXPECT_EQ(style.build, Build::cast);
   EXPECT_NEAR(style.base.color[2], 0x30 / 255.0, 1e-6);
   EXPECT_NE(shapes_hash(model), before);
+  EXPECT_FALSE(style.housing);
+  model.look = {{"housings", "#f0f0f0"}};
+  EXPECT_NEAR(style_of(model, problems).housing->color[0], 0xf0 / 255.0, 1e-6);
+  EXPECT_TRUE(problems.list().empty());
   model.look = {{"style", "fanux"}, {"base", "red"}, {"hat", "#000000"}};
   style_of(model, problems);
   ASSERT_EQ(problems.list().size(), 3u);

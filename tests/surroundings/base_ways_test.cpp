@@ -207,6 +207,36 @@ TEST(BaseWays, PartsThatLieOnItGoAlongAndOthersAreObstacles) {
   EXPECT_EQ(site.way({3, 0, 0}).legs.size(), 1u);
 }
 
+TEST(BaseWays, ALoadThatSticksOutKeepsClearOfWalls) {
+  Site site;
+  site.wall("left", {0.1, 2, 1}, {1.5, 1.4, 0.5});
+  site.wall("right", {0.1, 2, 1}, {1.5, -1.4, 0.5});
+  EXPECT_EQ(site.way({3, 0, 0}).legs.size(), 1u) << "the cart fits between them";
+  description::Part load;
+  load.name = "load";
+  load.shape = box(0.2, 1.2, 0.1);
+  description::Part second = load;
+  second.name = "second";
+  second.shape = box(0.1, 0.1, 0.1);
+  site.scene.parts = {second, load};  // the second one lies on the first
+  site.moment.parts = {{{{0, 0, 0.55}, {}}, true, -1}, {{{0, 0, 0.45}, {}}, true, -1}};
+  const BaseWay way = site.way({3, 0, 0});
+  EXPECT_EQ(way.outcome, BaseWayOutcome::found);
+  EXPECT_GT(way.legs.size(), 1u) << "the load does not";
+}
+
+TEST(BaseWays, WhatStandsBesideItOnTheGroundIsAnObstacle) {
+  Site site;
+  description::Part crate;
+  crate.name = "crate";
+  crate.shape = box(0.5, 0.5, 0.5);
+  site.scene.parts = {crate};
+  site.moment.parts = {{{{0.651, 0, 0.25}, {}}, true, -1}};  // 1 mm before its front
+  const BaseWay way = site.way({3, 0, 0});
+  EXPECT_EQ(way.outcome, BaseWayOutcome::found);
+  EXPECT_GT(way.legs.size(), 1u) << "not through it";
+}
+
 TEST(BaseWays, AmongRandomObstaclesEveryWayIsFreeAndTheSameAgain) {
   Random random(7);
   int found = 0, around = 0;

@@ -1,5 +1,8 @@
 #pragma once
-/// y(n) = alpha x(n) + (1 - alpha) y(n-1) for each number; the first value passes.
+/// y(n) = alpha x(n) + (1 - alpha) y(n-1) for each number; the first value passes. y(n) = y(n-1) where x(n) is
+/// NaN or infinite.
+#include <cmath>
+
 #include "control_toolbox/filter_traits.hpp"
 
 namespace control_toolbox {
@@ -29,7 +32,7 @@ class ExponentialFilter {
       throw std::runtime_error("a filter gets " + std::to_string(now.size()) + " numbers after " +
                                std::to_string(filtered_.size()));
     for (std::size_t i = 0; i < filtered_.size(); ++i)
-      filtered_[i] = alpha_ * now[i] + (1 - alpha_) * filtered_[i];
+      if (std::isfinite(now[i])) filtered_[i] = alpha_ * now[i] + (1 - alpha_) * filtered_[i];
     FilterNumbers<T>::write(filtered_, in, out);
     return true;
   }

@@ -89,6 +89,7 @@ class RosController : public pc::Controller, public pc::RobotUser {
   std::uint64_t receive(const std::string& port, const pc::Input& message, bool goal) override;
   bool cancel(std::uint64_t goal) override {
     if (!node_) return false;
+    const ServesGraph serving;
     const WatchedCall mark(name_.c_str(), "callback for", "cancel");
     for (const auto& action : wires().actions())
       if (action->cancel(goal)) return true;
@@ -106,6 +107,7 @@ class RosController : public pc::Controller, public pc::RobotUser {
     if (!node_) return "it is not configured";
     std::vector<rclcpp::Parameter> all;  // all or none
     for (const pc::ParameterChange& change : changes) all.push_back(values_.parameter(change));
+    const ServesGraph serving;
     const WatchedCall mark(name_.c_str(), "callback for", "parameters");
     const auto result = node_->set_parameters_atomically(all);
     if (result.successful) return {};
@@ -153,6 +155,7 @@ class RosController : public pc::Controller, public pc::RobotUser {
   /// The call's result; what it throws is an error, logged with its text.
   template <typename Call>
   bool guarded(const char* where, Call&& call) noexcept {
+    const ServesGraph serving;
     try {
       return call() == ci::CallbackReturn::SUCCESS;
     } catch (const std::exception& e) {
@@ -164,7 +167,6 @@ class RosController : public pc::Controller, public pc::RobotUser {
   }
   template <typename Call>
   void expect(const char* where, Call&& call) {
-    const ServesGraph mark;
     if (!guarded(where, call))
       throw polyarm::Error("controller-refused",
                            "the controller '" + name_ + "' does not accept its configuration: its " + where +
@@ -464,6 +466,7 @@ inline std::vector<pc::InputPort> RosController::inputs() const {
 
 inline std::uint64_t RosController::receive(const std::string& port, const pc::Input& message, bool) {
   if (!node_) throw polyarm::Error("wrong-state", "the controller '" + name_ + "' is not configured");
+  const ServesGraph serving;
   try {
     node_->get_node_base_interface()->run_due_within(kCallbacks);
     const WatchedCall mark(name_.c_str(), "callback for", port);

@@ -2,6 +2,7 @@
 /// Where the topics and actions of a controller's node end: the wrapper of the controller delivers messages
 /// to its subscriptions, takes what it publishes, and hands goals to its action servers. Other topics and
 /// services lead to nodes of the module and to the ROS 2 graph (topics.hpp); other actions lead nowhere.
+#include <algorithm>
 #include <cstdint>
 #include <functional>
 #include <memory>
@@ -34,16 +35,20 @@ struct Callee {
   virtual std::string title() const = 0;
 };
 
-/// True on a thread that serves the graph while it calls the plugin: there, waiting for the graph is in vain.
+/// True while the cell thread, which serves the graph, or the control thread calls the plugin: there, waiting
+/// for the graph is in vain.
 inline bool& serves_graph() {
   static thread_local bool value = false;
   return value;
 }
 struct ServesGraph {
-  ServesGraph() { serves_graph() = true; }
-  ~ServesGraph() { serves_graph() = false; }
+  ServesGraph() : before_(serves_graph()) { serves_graph() = true; }
+  ~ServesGraph() { serves_graph() = before_; }
   ServesGraph(const ServesGraph&) = delete;
   ServesGraph& operator=(const ServesGraph&) = delete;
+
+ private:
+  const bool before_;
 };
 
 /// Of one node. Any thread.
@@ -65,6 +70,8 @@ class Wires {
   template <typename T>
   void add_to(std::vector<std::weak_ptr<T>>& all, const std::shared_ptr<T>& each) {
     const std::lock_guard lock(mutex_);
+    const auto ended = [](const std::weak_ptr<T>& old) { return old.expired(); };
+    all.erase(std::remove_if(all.begin(), all.end(), ended), all.end());
     all.push_back(each);
   }
   template <typename T>

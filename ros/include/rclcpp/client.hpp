@@ -3,6 +3,7 @@
 /// future open, as in ROS. Any thread.
 #include <chrono>
 #include <cstdint>
+#include <deque>
 #include <functional>
 #include <future>
 #include <map>
@@ -135,12 +136,12 @@ class Client : public ClientBase, public std::enable_shared_from_this<Client<Typ
     pending_.clear();
     return count;
   }
-  /// Takes the responses that have come from the graph.
-  bool run(std::int64_t) override {
-    bool any = false;
+  /// Takes the responses that have come from the graph, and calls back.
+  bool run(std::int64_t until) override {
+    bool any = call_back(until);
     if constexpr (polyarm_ros::HasFields<Response>::value) {
       polyarm::hardware::Letter letter;
-      for (std::size_t n = 0; n < kMost && port_ && port_->from_graph.take(letter); ++n) {
+      for (std::size_t n = 0; n < kMost && port_ && !over(any, until) && port_->from_graph.take(letter); ++n) {
         auto response = std::make_shared<Response>();
         if (polyarm_ros::decode(letter.payload, *response))
           finish(static_cast<std::int64_t>(letter.number), response);
@@ -151,9 +152,10 @@ class Client : public ClientBase, public std::enable_shared_from_this<Client<Typ
   }
 
  private:
+  using Done = std::function<void(const SharedResponse&)>;
   struct Pending {
     SharedPromise promise = std::make_shared<Promise>();
-    std::function<void(const SharedResponse&)> done;
+    Done done;
   };
 
   std::shared_ptr<Service<Type>> server() const {
@@ -170,7 +172,7 @@ class Client : public ClientBase, public std::enable_shared_from_this<Client<Typ
     }
     if (const auto here = server()) {
       here->ask(std::move(request), [self = this->weak_from_this(), number](const SharedResponse& response) {
-        if (const auto client = self.lock()) client->finish(number, response);
+        if (const auto client = self.lock()) client->arrive(number, response);
       });
     } else if constexpr (polyarm_ros::HasFields<Request>::value) {
       if (port_)
@@ -179,21 +181,52 @@ class Client : public ClientBase, public std::enable_shared_from_this<Client<Typ
     }
     return number;
   }
-  void finish(std::int64_t number, const SharedResponse& response) {
+  static bool over(bool any, std::int64_t until) {
+    return any && until > 0 && polyarm_ros::steady_time() >= until;
+  }
+  /// Makes the future ready. Returns the callback; empty if there is none.
+  Done answer(std::int64_t number, const SharedResponse& response) {
     Pending pending;
     {
       const std::lock_guard lock(mutex_);
       const auto found = pending_.find(number);
-      if (found == pending_.end()) return;
+      if (found == pending_.end()) return {};
       pending = std::move(found->second);
       pending_.erase(found);
     }
     pending.promise->set_value(response);
-    if (pending.done) pending.done(response);
+    return pending.done;
+  }
+  void finish(std::int64_t number, const SharedResponse& response) {
+    if (const Done done = answer(number, response)) done(response);
+  }
+  /// A response of the same module, on the thread of the server: this node's executor calls back.
+  void arrive(std::int64_t number, const SharedResponse& response) {
+    Done done = answer(number, response);
+    if (!done) return;
+    const std::lock_guard lock(mutex_);
+    if (arrived_.size() >= kMost) arrived_.pop_front();
+    arrived_.emplace_back(std::move(done), response);
+  }
+  bool call_back(std::int64_t until) {
+    bool any = false;
+    for (std::size_t n = 0; n < kMost && !over(any, until); ++n) {
+      std::pair<Done, SharedResponse> next;
+      {
+        const std::lock_guard lock(mutex_);
+        if (arrived_.empty()) break;
+        next = std::move(arrived_.front());
+        arrived_.pop_front();
+      }
+      any = true;
+      next.first(next.second);
+    }
+    return any;
   }
 
   std::mutex mutex_;
   std::map<std::int64_t, Pending> pending_;
+  std::deque<std::pair<Done, SharedResponse>> arrived_;
   std::int64_t last_ = 0;
 };
 

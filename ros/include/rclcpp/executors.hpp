@@ -8,6 +8,7 @@
 #include <thread>
 #include <vector>
 
+#include "polyarm_ros/wires.hpp"
 #include "rclcpp/future_return_code.hpp"
 #include "rclcpp/node.hpp"
 
@@ -58,16 +59,20 @@ class Executor {
   void spin_node_some(NodePointer) {
     once();
   }
+  /// A negative timeout: for ever; on a thread that serves the graph, as in on_configure, 1 s: what comes from
+  /// the graph does not arrive while that thread waits.
   template <typename Future, typename Rep = long, typename Ratio = std::milli>
   FutureReturnCode spin_until_future_complete(
       const Future& future,
       std::chrono::duration<Rep, Ratio> timeout = std::chrono::duration<Rep, Ratio>(-1)) {
-    const auto end = std::chrono::steady_clock::now() + timeout;
+    auto span = std::chrono::duration_cast<std::chrono::nanoseconds>(timeout);
+    if (span.count() < 0 && polyarm_ros::serves_graph()) span = std::chrono::seconds(1);
+    const auto end = std::chrono::steady_clock::now() + span;
     while (ok()) {
       if (future.wait_for(std::chrono::milliseconds(1)) == std::future_status::ready)
         return FutureReturnCode::SUCCESS;
       once();
-      if (timeout.count() >= 0 && std::chrono::steady_clock::now() >= end) return FutureReturnCode::TIMEOUT;
+      if (span.count() >= 0 && std::chrono::steady_clock::now() >= end) return FutureReturnCode::TIMEOUT;
     }
     return FutureReturnCode::INTERRUPTED;
   }

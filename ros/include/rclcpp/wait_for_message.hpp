@@ -4,11 +4,13 @@
 #include <string>
 #include <thread>
 
+#include "polyarm_ros/wires.hpp"
 #include "rclcpp/node.hpp"
 #include "rclcpp/utilities.hpp"
 
 namespace rclcpp {
-/// The next message of the subscription, within the timeout of the steady clock (negative: for ever).
+/// The next message of the subscription, within the timeout of the steady clock (negative: for ever). A thread
+/// that serves the graph itself, as in on_configure of a controller, does not wait for ever.
 template <typename Message, typename Rep = long, typename Period = std::milli>
 bool wait_for_message(Message& out, std::shared_ptr<Subscription<Message>> subscription, Context::SharedPtr,
                       std::chrono::duration<Rep, Period> timeout = std::chrono::duration<Rep, Period>(-1)) {
@@ -16,7 +18,8 @@ bool wait_for_message(Message& out, std::shared_ptr<Subscription<Message>> subsc
   MessageInfo info;
   while (ok()) {
     if (subscription->take(out, info)) return true;
-    if (timeout.count() >= 0 && std::chrono::steady_clock::now() >= end) return false;
+    if (timeout.count() < 0 ? polyarm_ros::serves_graph() : std::chrono::steady_clock::now() >= end)
+      return false;
     std::this_thread::sleep_for(std::chrono::milliseconds(1));
   }
   return false;

@@ -6,6 +6,7 @@
 /// Bounded: at most kMostFrames frames with kMostSamples poses each. More frames are refused, older poses
 /// dropped.
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 #include <condition_variable>
 #include <cstddef>
@@ -35,8 +36,9 @@ inline TimePoint time_point_of(const rclcpp::Time& time) {
 inline TimePoint time_point_of(const builtin_interfaces::msg::Time& time) {
   return time_point_of(rclcpp::Time(time));
 }
-inline Duration duration_of(const Duration& span) {
-  return span;
+template <typename Rep, typename Period>
+Duration duration_of(const std::chrono::duration<Rep, Period>& span) {
+  return std::chrono::duration_cast<Duration>(span);
 }
 inline Duration duration_of(const rclcpp::Duration& span) {
   return Duration(span.nanoseconds());
@@ -52,7 +54,8 @@ class BufferCore {
   BufferCore& operator=(const BufferCore&) = delete;
 
   /// False if the transform cannot be used: it contains NaN or infinity, its rotation is no unit quaternion,
-  /// a frame has no name or is its own parent, it is older than the cache, or there are too many frames.
+  /// a frame has no name or is its own parent, its time is negative, it is older than the cache, or there are
+  /// too many frames.
   bool setTransform(const TransformStamped& transform, const std::string& /*authority*/,
                     bool is_static = false) {
     const std::string parent = plain(transform.header.frame_id), child = plain(transform.child_frame_id);
@@ -60,7 +63,7 @@ class BufferCore {
     const auto& r = transform.transform.rotation;
     const Quaternion rotation(r.x, r.y, r.z, r.w);
     if (parent.empty() || child.empty() || parent == child || !(std::fabs(rotation.length2() - 1) < 1e-2) ||
-        !std::isfinite(t.x + t.y + t.z))
+        !std::isfinite(t.x + t.y + t.z) || transform.header.stamp.sec < 0)
       return false;
     const Sample sample{time_point_of(transform.header.stamp), rotation.normalized(), Vector3(t.x, t.y, t.z)};
     {

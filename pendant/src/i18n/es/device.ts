@@ -17,7 +17,7 @@ export const device: Record<keyof typeof English, string> = {
   'device.programEnded': 'El programa de {where} se detuvo allí. Mire por qué y pulse Rearmar aquí para iniciarlo de nuevo.',
   'device.unreachable': 'No se puede alcanzar {where}. Revise el cable, la alimentación y la dirección.',
   'device.silent': '{where} ya no envía nada. Revise el cable, la alimentación y el cortafuegos.',
-  'device.closed': '{where} cerró su conexión: se apagó o se reinició. Recupere aquí cuando esté listo.',
+  'device.closed': '{where} cerró su conexión: se apagó o se reinició. Pulse Rearmar aquí cuando esté listo.',
   'device.loopSilent': 'El lazo de control no dio ninguna orden a tiempo y el robot se detuvo. Mire en la página Diagnóstico qué lo retrasa.',
   'device.commandsLate': '{where} no recibió ninguna orden a tiempo. Use un cable y quite otra carga de este ordenador.',
   'device.jump': 'Una orden estaba demasiado lejos para un ciclo. No se envió y el robot se detuvo.',

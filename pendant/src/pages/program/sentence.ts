@@ -41,7 +41,6 @@ const kPlain: Record<string, [IconName, Key]> = {
   trap: ['alarm', 'step.trap'],
   every: ['clock', 'step.every'],
   pulse: ['signals', 'step.pulse'],
-  drive: ['up', 'step.drive'],
   turn: ['turnLeft', 'step.turn'],
 };
 const kMoves: Record<string, Key> = {
@@ -58,7 +57,7 @@ const kCalls: Record<string, [IconName, Key]> = {
   stiff: ['hand', 'step.stiff'],
 };
 /** Every statement that has a sentence here. */
-export const kSaid = [...Object.keys(kPlain), ...Object.keys(kMoves), 'wait', 'on'];
+export const kSaid = [...Object.keys(kPlain), ...Object.keys(kMoves), 'wait', 'on', 'drive'];
 
 export function sentenceOf(statement: Statement): Sentence {
   const { word, text } = statement;

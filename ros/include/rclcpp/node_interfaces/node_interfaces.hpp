@@ -73,12 +73,12 @@ class NodeCore {
                                           const rcl_interfaces::msg::ParameterDescriptor& descriptor = {},
                                           bool = false) {
     const std::lock_guard lock(mutex_);
-    if (descriptor.read_only) fixed_.insert(name);
-    described_[name] = descriptor;
-    described_[name].name = name;
     if (values_.count(name))
       throw exceptions::ParameterAlreadyDeclaredException("parameter '" + name +
                                                           "' has already been declared");
+    if (descriptor.read_only) fixed_.insert(name);
+    described_[name] = descriptor;
+    described_[name].name = name;
     const std::vector<Parameter>& given = options_.parameter_overrides();
     for (auto p = given.rbegin(); p != given.rend(); ++p)  // the last counts
       if (p->get_name() == name)
@@ -103,7 +103,7 @@ class NodeCore {
   }
   void undeclare_parameter(const std::string& name) {
     const std::lock_guard lock(mutex_);
-    values_.erase(name);
+    values_.erase(name), described_.erase(name), fixed_.erase(name);
   }
   bool get_parameter(const std::string& name, Parameter& out) const {
     const std::lock_guard lock(mutex_);
