@@ -31,7 +31,7 @@ CallbackReturn OnFarSide::on_init(const hardware::ComponentContext& context) {
   options.port = options.hand_port = 0;
   options.patience = kAnswer;
   far_ = std::make_unique<FarSide>(options);
-  faults_ = wire::DueOrders(wire::parse_timed_orders(wire::given(context, "faults"), "user_stop@3"));
+  faults_ = wire::DueOrders(FarSide::timed_orders(wire::given(context, "faults")));
   hardware::ComponentContext own = wire::beside_its_controller(context);
   own.parameters["port"] = std::to_string(far_->port());
   own.parameters["hand_port"] = std::to_string(far_->hand_port());

@@ -77,6 +77,10 @@ std::string FarSide::kinds() {
   return wire::order_list(kKinds);
 }
 
+std::vector<wire::TimedOrder> FarSide::timed_orders(const std::string& text) {
+  return wire::parse_timed_orders(text, "user_stop@3 release@again", kKinds);
+}
+
 void FarSide::report(const std::string& text) const {
   if (options_.report) options_.report(text);
 }

@@ -6,6 +6,7 @@
 
 #include "drivers/franka/far_hand.hpp"
 #include "drivers/wire/far_clock.hpp"
+#include "drivers/wire/orders.hpp"
 
 namespace polyarm::franka {
 
@@ -33,6 +34,8 @@ class FarSide {
   void order(const std::string& fault);
   /// The kinds with their meaning, one a line.
   static std::string kinds();
+  /// The parameter `faults` of a driver with a robot of its own. Throws Error("bad-value").
+  static std::vector<wire::TimedOrder> timed_orders(const std::string& text);
 
   /// The robot's clock stands still; step() moves it.
   void hold_clock(bool on) { clock_.hold(on); }
