@@ -93,20 +93,11 @@ test('jogs while a key is held, and stops when it is let go', async (t) => {
 
 test('jogs the TCP straight along an axis of the base', async () => {
   await page.getByRole('radiogroup', { name: 'Move in' }).getByText('Base').click();
-  // Slowly: a fast jog slides along a link of the arm that the guard finds too near, wherever the program has ended.
-  const slider = page.getByRole('contentinfo').getByRole('slider', { name: 'Speed' });
-  await slider.focus();
-  await page.keyboard.press('Home');
-  for (let i = 0; i < 2; ++i) await page.keyboard.press('PageUp');
-  await until(() => at.watcher.events.status?.override > 0 && at.watcher.events.status.override <= 30, 30, 'a small override');
   const [x, y, z] = ['x', 'y', 'z'].map((axis) => at.watcher.value(`arm/tcp/${axis}`));
   await holdKey(page.getByRole('button', { name: 'Z plus', exact: true }), () => at.watcher.value('arm/tcp/z') > z + 0.01, 'the TCP going up');
   await page.mouse.up();
   await atRest();
   assert.ok(Math.abs(at.watcher.value('arm/tcp/x') - x) < 1e-3 && Math.abs(at.watcher.value('arm/tcp/y') - y) < 1e-3, 'only up');
-  await slider.focus();
-  await page.keyboard.press('End');
-  await until(() => at.watcher.events.status?.override === 100, 30, 'an override of 100 %');
 });
 
 test('jogs by a step of what it says', async () => {

@@ -20,7 +20,7 @@ using test::Folder;
 using test::LockStepCell;
 constexpr double kPi = std::numbers::pi;
 
-constexpr const char* kBase = R"(<robot name="base">
+constexpr const char* kBaseUrdf = R"(<robot name="base">
 <link name="base_link"><collision><origin xyz="0.05 0 0.25"/><geometry><box size="0.5 0.3 0.3"/></geometry></collision></link>
 <link name="left_link"/><joint name="left" type="continuous"><origin xyz="0 0.15 0.1"/><parent link="base_link"/>
 <child link="left_link"/><axis xyz="0 1 0"/><limit velocity="50" effort="30"/></joint>
@@ -33,7 +33,7 @@ constexpr const char* kBase = R"(<robot name="base">
 </ros2_control></robot>
 )";
 
-constexpr const char* kControllers = R"(
+constexpr const char* kBaseControllers = R"(
 controller_manager:
   ros__parameters: {update_rate: 100, base: {type: diff_drive_controller/DiffDriveController}}
 base:
@@ -46,13 +46,13 @@ base:
     angular.z: {max_velocity: 1.5, max_acceleration: 4.0}
 )";
 
-constexpr const char* kWall = "  wall: {box: [0.1, 1.4, 1], at: [1.2, 0, 0.5]}\n";
+constexpr const char* kWallAhead = "  wall: {box: [0.1, 1.4, 1], at: [1.2, 0, 0.5]}\n";
 
 class BaseWaysOfPrograms : public ::testing::Test {
  protected:
   CellFile file(const std::string& program, const std::string& fixtures, const std::string& more = {}) {
-    folder.write("base.urdf", kBase);
-    folder.write("controllers.yaml", kControllers);
+    folder.write("base.urdf", kBaseUrdf);
+    folder.write("controllers.yaml", kBaseControllers);
     folder.write("go.script", program);
     folder.write("scene.yaml", "polyarm: scene/1\nfloor: {height: 0}\n" +
                                    (fixtures.empty() ? "" : "fixtures:\n" + fixtures));
@@ -97,7 +97,7 @@ class BaseWaysOfPrograms : public ::testing::Test {
 };
 
 TEST_F(BaseWaysOfPrograms, ItGoesAroundAWallToItsPose) {
-  start("drive pose(2.4m, 0, 0, 0, 0, 90deg)\nlog(here().x)\n", kWall);
+  start("drive pose(2.4m, 0, 0, 0, 0, 90deg)\nlog(here().x)\n", kWallAhead);
   finish();
   expect_at(2.4, 0, kPi / 2);
   EXPECT_GT(aside, 0.8) << "the wall ends at 0.7 m";
@@ -118,7 +118,7 @@ TEST_F(BaseWaysOfPrograms, HereIsWhereTheBaseIs) {
 }
 
 TEST_F(BaseWaysOfPrograms, HeldOnItsWayItGoesOnAfterwards) {
-  start("drive pose(2.4m, 0, 0, 0, 0, 90deg)\n", kWall);
+  start("drive pose(2.4m, 0, 0, 0, 0, 90deg)\n", kWallAhead);
   while (place().x() < 0.4 && now() < 30) cell->tick();
   cell->result({{"request", "control.hold"}});
   cell->run(2);
@@ -131,7 +131,7 @@ TEST_F(BaseWaysOfPrograms, HeldOnItsWayItGoesOnAfterwards) {
 }
 
 TEST_F(BaseWaysOfPrograms, MovedDuringAHoldItLooksForAnotherWay) {
-  start("drive pose(2.4m, 0, 0, 0, 0, 90deg)\n", kWall);
+  start("drive pose(2.4m, 0, 0, 0, 0, 90deg)\n", kWallAhead);
   while (place().x() < 0.4 && now() < 30) cell->tick();
   cell->result({{"request", "control.hold"}});
   cell->run(2);
@@ -168,15 +168,15 @@ TEST_F(BaseWaysOfPrograms, ASpeedLimitsLinesOrTurns) {
 
 TEST_F(BaseWaysOfPrograms, WithoutAWayTheLineFailsAndCheckSaysSoBefore) {
   const std::string inside = "drive 100mm\ndrive pose(1.2m, 0)\n";
-  start(inside, kWall);
+  start(inside, kWallAhead);
   finish();
   EXPECT_EQ(failure().code, "goal-in-contact");
   EXPECT_NE(failure().text().find("base/base_link touches fixture wall there"), std::string::npos)
       << failure().text();
-  EXPECT_NE(checked(inside, kWall).find("go.script:2:1: error: no way to (1.200, 0.000) m"),
+  EXPECT_NE(checked(inside, kWallAhead).find("go.script:2:1: error: no way to (1.200, 0.000) m"),
             std::string::npos)
-      << checked(inside, kWall);
-  EXPECT_EQ(checked("drive pose(2.4m)\ndrive pose()\n", kWall), "");
+      << checked(inside, kWallAhead);
+  EXPECT_EQ(checked("drive pose(2.4m)\ndrive pose()\n", kWallAhead), "");
 }
 
 TEST_F(BaseWaysOfPrograms, CheckEndsAtItsLimitOfMoves) {
