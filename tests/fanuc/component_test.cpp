@@ -179,7 +179,7 @@ TEST(FanucComponent, RepeatedAndReorderedPacketsMoveNothing) {
 }
 
 TEST(FanucComponent, AnOrderedFaultEndsWhenTheDriverStartsAgain) {
-  FanucRig rig({{"faults", "e_stop@0.1 release@again reset@again"}});
+  FanucRig rig(Parameters{{"faults", "e_stop@0.1 release@again reset@again"}});
   ASSERT_TRUE(rig.start()) << rig.component.reason();
   ASSERT_TRUE(rig.fails(500, [](int) {}));
   ASSERT_TRUE(rig.start()) << rig.component.reason();
