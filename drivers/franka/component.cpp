@@ -19,10 +19,11 @@ using hardware::ReturnType;
 namespace {
 
 constexpr double kRadians = std::numbers::pi / 180;
-// The robot follows commands as they are; these shares of the description's limits are for braking, and for
-// commands that jump.
-constexpr double kAcceleration = 2, kJerk = 8;
+// Commands within these multiples of the description's limits are sent as they are, among them the loop's
+// hardest stop, which is three times as hard as a move. The robot's own limits hold in any case.
+constexpr double kAcceleration = 4, kJerk = 24;
 constexpr double kAccelerationElse = 5, kJerkElse = 500;  // rad, seconds; without limits there
+constexpr double kNoSpeedLimit = 1000;                    // degrees/s, above that of any joint
 
 using hardware::DriverParameter;
 using enum hardware::ParameterKind;
@@ -55,7 +56,7 @@ constexpr DriverParameter kParameters[] = {
     {"hand_speed", number, "0.1", "m/s of the fingers", 0.001, 0.2},
     {"hand_open", number, "0", "m between the fingers when they open; 0: that of the cell's tool, else all",
      0, 0.2},
-    {"max_speed", number, "60", "degrees/s of each joint", 0.1, 300},
+    {"max_speed", number, "0", "degrees/s of each joint; 0: what the robot allows", 0, 300},
     {"max_behind", number, "0.05", "rad that the sent command may be behind the loop's", 0.0001, 0.2},
     {"max_step", number, "0.1",
      "rad, between two position commands; beyond it nothing is sent and the robot stops", 0.001, 0.6},
@@ -173,7 +174,7 @@ void FrankaComponent::read_hand(hardware::DriverParameters& p, const hardware::R
 
 void FrankaComponent::find_limits(const hardware::RobotInstance& robot, double max_speed) {
   auto& [velocity, acceleration, jerk] = settings_.limits.of;
-  velocity.fill(max_speed * kRadians);
+  velocity.fill((max_speed > 0 ? max_speed : kNoSpeedLimit) * kRadians);
   acceleration.fill(kAccelerationElse);
   jerk.fill(kJerkElse);
   settings_.lower = settings_.upper = {};

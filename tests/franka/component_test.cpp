@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <random>
 
+#include "polyarm/trajectory/joint_move.hpp"
 #include "tests/franka/rig.hpp"
 #include "tests/support/realtime_guard.hpp"
 
@@ -50,6 +51,56 @@ TEST(FrankaComponent, TheTcpIsWhereTheCataloguesKinematicsHaveIt) {
   EXPECT_LT(angle_between(r, flange.rotation), 1e-6);
 }
 
+/// The limits of moves, as a cell plans them for a robot of the catalogue.
+std::vector<trajectory::JointMotionLimits> catalogue_limits(const char* model) {
+  std::vector<trajectory::JointMotionLimits> out;
+  for (const description::Joint& joint : franka_model(model).joints)
+    if (joint.limits.velocity)
+      out.push_back({*joint.limits.velocity, *joint.limits.acceleration, *joint.limits.jerk});
+  return out;
+}
+
+/// Anywhere in the range; every third time at one of its ends, except for `margin` rad.
+std::vector<double> anywhere(const char* model, std::mt19937& random, double margin) {
+  const franka::MachineFacts facts = franka::facts_of(franka_model(model));
+  std::vector<double> out;
+  for (std::size_t i = 0; i < 7; ++i) {
+    const double lower = facts.lower[i] + margin, upper = facts.upper[i] - margin;
+    const double share = static_cast<double>(random() % 1001) / 1000;
+    out.push_back(random() % 3 > 0 ? lower + share * (upper - lower) : share < 0.5 ? lower : upper);
+  }
+  return out;
+}
+
+/// A Research 3 allows less speed towards the ends of its ranges. Its accelerations in the catalogue are so
+/// low that a move which ends within the range keeps to that.
+TEST(FrankaCatalogue, MovesAtFullSpeedKeepTheSpeedThatTheRobotAllows) {
+  for (const char* model : {"franka/fr3", "franka/fp3", "franka/fer_panda"}) {
+    const int version = franka::facts_of(franka_model(model)).version;
+    const auto limits = catalogue_limits(model);
+    ASSERT_EQ(limits.size(), 7u);
+    for (std::size_t j = 0; j < 7; ++j) {
+      EXPECT_LE(limits[j].acceleration, franka::motion_limits(version).acceleration[j]) << model << j;
+      EXPECT_LE(limits[j].jerk, franka::motion_limits(version).jerk[j]) << model << j;
+    }
+    std::mt19937 random(3);
+    for (int move = 0; move < 200; ++move) {
+      const auto from = anywhere(model, random, 0.035), to = anywhere(model, random, 0.035);
+      const trajectory::Trajectory path = trajectory::plan_joint_move(from, to, limits);
+      std::vector<double> q(7), v(7);
+      std::size_t hint = 0;
+      for (int i = 0; i <= 200; ++i) {
+        path.sample(path.duration() * i / 200, q, v, {}, hint);
+        for (std::size_t j = 0; j < 7; ++j) {
+          const auto bounds = franka::velocity_bounds(version, j, q[j]);
+          ASSERT_LE(v[j], bounds.upper + 1e-9) << model << " joint " << j + 1 << " at " << q[j];
+          ASSERT_GE(v[j], bounds.lower - 1e-9) << model << " joint " << j + 1 << " at " << q[j];
+        }
+      }
+    }
+  }
+}
+
 struct Robot {
   const char* model;
   const char* joint;
@@ -90,6 +141,58 @@ TEST_P(Robots, RandomCommandsNeverExceedALimitOfTheRobot) {
   const auto shares = rig.far().with([](Machine& m) { return m.take_extremes(); });
   for (std::size_t i = 0; i < 3; ++i) EXPECT_LE(shares[i], 1.0) << i;
   EXPECT_GT(shares[1], 0.5) << "it uses what there is";
+}
+
+/// The motion, in the cycles of the robot.
+void follow(FrankaRig& rig, const trajectory::Trajectory& path, double until) {
+  std::vector<double> q(7);
+  std::size_t hint = 0;
+  const int cycles = static_cast<int>(std::ceil(until * 1000));
+  ASSERT_TRUE(rig.runs(cycles, [&](int i) {
+    path.sample(std::min(0.001 * (i + 1), until), q, {}, {}, hint);
+    std::copy_n(q.begin(), 7, rig.commands.begin());
+  })) << rig.component.reason();
+}
+
+TEST_P(Robots, MovesAtTheCataloguesSpeedRunAcrossTheWholeRange) {
+  const char* const model = GetParam().model;
+  FrankaRig rig(Parameters{}, model);
+  ASSERT_TRUE(rig.start()) << rig.component.reason();
+  ASSERT_TRUE(rig.runs(20, [](int) {}));
+  std::mt19937 random(11);
+  double fastest = 0;
+  for (int move = 0; move < 6; ++move) {
+    const std::vector<double> from(rig.commands.begin(), rig.commands.begin() + 7);
+    const auto path =
+        trajectory::plan_joint_move(from, anywhere(model, random, 0.035), catalogue_limits(model));
+    ASSERT_NO_FATAL_FAILURE(follow(rig, path, path.duration())) << move;
+    ASSERT_TRUE(rig.runs(200, [](int) {})) << rig.component.reason();
+    EXPECT_LE(rig.state("controller/behind"), 1e-6) << "it arrives: " << move;
+    fastest = std::max(fastest, rig.far().with([](Machine& m) { return m.take_extremes()[0]; }));
+  }
+  EXPECT_GT(fastest, 0.9) << "of the speed of a joint";
+}
+
+/// The hardest stop of a cell has three times the acceleration and nine times the jerk of a move.
+TEST(FrankaComponent, TheHardestStopOfACellIsFollowed) {
+  const char* const model = "franka/fr3";
+  FrankaRig rig;
+  ASSERT_TRUE(rig.start()) << rig.component.reason();
+  ASSERT_TRUE(rig.runs(20, [](int) {}));
+  auto limits = catalogue_limits(model);
+  const std::vector<double> from(rig.commands.begin(), rig.commands.begin() + 7);
+  std::vector<double> to = from, q(7), v(7), a(7);
+  to[0] += 1.5, to[1] += 0.7, to[4] -= 2;
+  const auto path = trajectory::plan_joint_move(from, to, limits);
+  const double half = std::floor(path.duration() * 500) / 1000;
+  ASSERT_NO_FATAL_FAILURE(follow(rig, path, half));
+  std::size_t hint = 0;
+  path.sample(half, q, v, a, hint);
+  for (auto& joint : limits) joint.acceleration *= 3, joint.jerk *= 9;
+  const auto stop = trajectory::plan_stop(q, v, a, limits);
+  ASSERT_NO_FATAL_FAILURE(follow(rig, stop, stop.duration()));
+  ASSERT_TRUE(rig.runs(200, [](int) {})) << rig.component.reason();
+  EXPECT_LE(rig.state("controller/behind"), 1e-6);
 }
 
 /// A Research 3 is slower near the ends of its range.

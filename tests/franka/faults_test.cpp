@@ -274,7 +274,7 @@ TEST(FrankaFaults, DrawnAtRandomTheyAreAlwaysNamedAndNothingJumps) {
       "error=14",  "error=25",  "force=60",      "deaf",          "drop=30",         "drop=3",  "late=40",
       "late=5",    "duplicate", "reorder",       "garbage",       "not_a_number",    "close",   "busy",
       "power_off", "singular",  "refuse_motion", "other_version", "refuse_settings", "push=1",  "sag=2"};
-  FrankaRig rig(Parameters{{"load_mass", "0.5"}, {"load_center", "0 0 0.1"}});
+  FrankaRig rig(Parameters{{"load_mass", "0.5"}, {"load_center", "0 0 0.1"}, {"max_speed", "60"}});
   expect_random_faults_end_well(
       rig, kOrders, {.joint = "fr3_joint6", .step = 0.0004, .after = 90}, 60 * kDegree * 0.001 + 1e-6, mend,
       [](Machine& m) { m.step(); }, 400);
