@@ -149,7 +149,8 @@ void FarEki::serve() {
                   if (!take(client, text)) return false;
                 return true;
               });
-  while (door_.clients().size() > 1) door_.clients().pop_back();
+  for (std::size_t i = 1; i < door_.clients().size(); ++i) door_.clients()[i]->gone = true;
+  door_.drop_gone();
 }
 
 void FarEki::descriptors(std::vector<int>& out) {

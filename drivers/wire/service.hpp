@@ -48,12 +48,13 @@ class Service {
     silent_.clear();
     clients_.clear();
   }
-
- private:
+  /// Drops those that are gone.
   void drop_gone() {
     std::erase_if(silent_, [](const Client* client) { return client->gone; });
     std::erase_if(clients_, [](const auto& client) { return client->gone; });
   }
+
+ private:
   bool make_room() {
     if (clients_.size() < bounds::kFarSideClients) return true;
     if (silent_.empty()) return false;
