@@ -60,9 +60,18 @@ constexpr DriverParameter kParameters[] = {
      10000},
     {"connect_timeout", number, "2", "s for each connection and answer of EthernetKRL", 0.05, 60},
     {"start_timeout", number, "10", "s for RSI to begin; without EthernetKRL for the person too", 0.05, 600},
+    {"motion", text, "stream",
+     "stream: this computer interpolates and streams corrections of RSI; forward: the controller makes the "
+     "moves, over EthernetKRL alone",
+     -std::numeric_limits<double>::infinity(), std::numeric_limits<double>::infinity(), "stream forward"},
+    {"poll_ms", number, "20", "forward: ms between two readings of the joints", 4, 1000},
+    {"answer_ms", number, "1000", "forward: ms without an answer until the link counts as lost", 50, 20000},
+    {"watchdog_ms", number, "500",
+     "forward: ms without a request until the program on the controller stops the robot", 100, 10000},
+    {"line_acceleration", number, "2.3", "forward: m/s² of lines and arcs", 0.05, 20},
 };
 constexpr hardware::DriverFacts kFacts = {
-    "system", "robots of KUKA with six axes: KR C4 and KR C5 with the Robot Sensor Interface",
+    "system", "robots of KUKA with six axes: KR C4 and KR C5 with the Robot Sensor Interface or EthernetKRL",
     "a controller of our own, byte for byte, with faults on both wires; see docs/driver-kuka.md; never on "
     "hardware",
     kParameters};
@@ -129,6 +138,7 @@ CallbackReturn KukaComponent::on_init(const hardware::ComponentContext& context)
   steps_ = wire::StepCheck(p.number("max_step"));
   constexpr const char* kTakes[] = {"position"};
   joints_ = wire::driven_joints(context, kTakes, "robots of KUKA", p.problems());
+  const bool forward = p.text("motion") == "forward";
   p.problems().throw_if_errors();
   if (settings_.cycle_ms != 4 && settings_.cycle_ms != 12)
     throw Error("bad-value", "RSI has a cycle of 4 or of 12 ms", "write `cycle_ms: 4` or `cycle_ms: 12`");
@@ -145,7 +155,11 @@ CallbackReturn KukaComponent::on_init(const hardware::ComponentContext& context)
   if (settings_.outputs.count > 0 && !settings_.eki)
     throw Error("bad-value", "`digital_out` needs EthernetKRL", "remove it, or `eki: false`");
   outputs_ = Outputs();
-  link_ = std::make_unique<Link>(settings_);
+  forward_.reset(), link_.reset();
+  if (forward)
+    make_forward(context, p);
+  else
+    link_ = std::make_unique<Link>(settings_);
   return CallbackReturn::success;
 }
 
@@ -165,7 +179,7 @@ std::vector<hardware::InterfaceDescription> KukaComponent::state_interfaces() co
 std::vector<hardware::InterfaceDescription> KukaComponent::command_interfaces() const {
   std::vector<hardware::InterfaceDescription> out;
   for (const std::string& joint : joints_) out.push_back({robot_ + "/" + joint + "/position"});
-  out.push_back({robot_ + "/controller/speed_override"});
+  if (!forward_) out.push_back({robot_ + "/controller/speed_override"});
   for (int i = 0; i < settings_.outputs.count; ++i)
     out.push_back({robot_ + "/io/digital_out_" + std::to_string(settings_.outputs.first + i)});
   return out;
@@ -173,16 +187,29 @@ std::vector<hardware::InterfaceDescription> KukaComponent::command_interfaces() 
 
 CallbackReturn KukaComponent::on_configure() {
   guided_ = placed_ = false;
-  return StreamComponent::on_configure();
+  if (!forward_) return StreamComponent::on_configure();
+  active_ = false;
+  return forward_->open() ? CallbackReturn::success : CallbackReturn::failure;
 }
 
 CallbackReturn KukaComponent::on_activate() {
+  if (forward_) {
+    watch_.begin();
+    if (!forward_->start()) return CallbackReturn::failure;
+    active_ = true;
+    return CallbackReturn::success;
+  }
   const CallbackReturn done = StreamComponent::on_activate();
   if (done == CallbackReturn::success) guided_ = true;
   return done;
 }
 
 CallbackReturn KukaComponent::on_deactivate() {
+  if (forward_) {
+    active_ = false;
+    forward_->stop();
+    return CallbackReturn::success;
+  }
   const CallbackReturn done = StreamComponent::on_deactivate();
   guided_ = false;
   return done;
@@ -200,7 +227,16 @@ const wire::Six& KukaComponent::shown_position(bool guided, double dt) noexcept 
   return shown_;
 }
 
+void KukaComponent::add_signals(const EkiState& state, std::uint32_t inputs,
+                                std::span<double> states) const noexcept {
+  std::size_t at = 0;
+  for (int i = 0; i < inputs_.count; ++i) states[at++] = bit(inputs, inputs_.first + i);
+  for (int i = 0; i < settings_.outputs.count; ++i)
+    states[at++] = bit(state.outputs, settings_.outputs.first + i);
+}
+
 ReturnType KukaComponent::read(const hardware::Cycle& cycle, std::span<double> states) noexcept {
+  if (forward_) return read_forward(cycle, states);
   link_->fetch();
   const Sample& sample = link_->sample();
   const EkiState& panel = link_->panel().state;
@@ -222,14 +258,12 @@ ReturnType KukaComponent::read(const hardware::Cycle& cycle, std::span<double> s
         seen ? panel.speed_override / 100.0 : kNaN, static_cast<double>(sample.delay),
         static_cast<double>(sample.lost), sample.behind, static_cast<double>(sample.shaped)})
     states[at++] = value;
-  const std::uint32_t inputs = guided ? sample.inputs : panel.inputs;
-  for (int i = 0; i < inputs_.count; ++i) states[at++] = bit(inputs, inputs_.first + i);
-  for (int i = 0; i < settings_.outputs.count; ++i)
-    states[at++] = bit(panel.outputs, settings_.outputs.first + i);
+  add_signals(panel, guided ? sample.inputs : panel.inputs, states.subspan(at));
   return link_->cause() == Cause::none ? ReturnType::ok : ReturnType::error;
 }
 
 ReturnType KukaComponent::write(const hardware::Cycle&, std::span<const double> commands) noexcept {
+  if (forward_) return write_forward(commands);
   if (link_->cause() != Cause::none) return ReturnType::error;
   if (!active_) return ReturnType::ok;
   outputs_.speed_override = commands[6];
@@ -243,6 +277,7 @@ const hardware::DriverFacts* KukaComponent::facts() const noexcept {
 }
 
 std::string KukaComponent::summary() const {
+  if (forward_) return forward_summary();
   if (!link_) return {};
   if (!settings_.eki)
     return fmt::format("KUKA controller at {}, RSI at {:g} Hz, without EthernetKRL", settings_.host,

@@ -16,11 +16,45 @@ namespace {
 using wire::XmlDocument;
 
 constexpr std::array<const char*, 6> kAxes{"A1", "A2", "A3", "A4", "A5", "A6"};
+constexpr std::array<const char*, 6> kEnd{"P1", "P2", "P3", "P4", "P5", "P6"};
+constexpr std::array<const char*, 6> kVia{"V1", "V2", "V3", "V4", "V5", "V6"};
+constexpr std::array<const char*, 4> kNumbers{"Speed", "Rate", "Turn", "Blend"};
+constexpr double kMostOfMove = 1e5;  // degrees, mm
+constexpr int kMostNumber = 1'000'000'000;
 
 std::string six_in(const char* element, const Six& values) {
   std::string out = fmt::format("<{}", element);
   for (std::size_t i = 0; i < 6; ++i) out += fmt::format(" {}=\"{:.6f}\"", kAxes[i], values[i] + 0.0);
   return out + "/>";
+}
+
+std::string encode(const EkiMove& move) {
+  std::string out = fmt::format("<Move Kind=\"{}\"", static_cast<int>(move.kind));
+  for (std::size_t i = 0; i < 6; ++i) out += fmt::format(" {}=\"{:.6f}\"", kEnd[i], move.end[i] + 0.0);
+  for (std::size_t i = 0; i < 6; ++i) out += fmt::format(" {}=\"{:.6f}\"", kVia[i], move.via[i] + 0.0);
+  const double numbers[] = {move.speed, move.acceleration, move.turn, move.blend};
+  for (std::size_t i = 0; i < 4; ++i) out += fmt::format(" {}=\"{:.6f}\"", kNumbers[i], numbers[i] + 0.0);
+  return out + "></Move>";
+}
+
+/// Nothing if a value is missing or out of its range.
+std::optional<EkiMove> decode_move(const XmlDocument& document,
+                                   const XmlDocument::Element& element) noexcept {
+  EkiMove out;
+  bool fine = true;
+  const auto number = [&](const char* name, double lowest) {
+    const auto value = document.number(element, name);
+    fine = fine && value && *value >= lowest && *value <= kMostOfMove;
+    return value.value_or(0);
+  };
+  for (std::size_t i = 0; i < 6; ++i) out.end[i] = number(kEnd[i], -kMostOfMove);
+  for (std::size_t i = 0; i < 6; ++i) out.via[i] = number(kVia[i], -kMostOfMove);
+  double* const numbers[] = {&out.speed, &out.acceleration, &out.turn, &out.blend};
+  for (std::size_t i = 0; i < 4; ++i) *numbers[i] = number(kNumbers[i], 0);
+  const auto kind = document.integer(element, "Kind");
+  if (!fine || !kind || *kind < EkiMove::none || *kind > EkiMove::circ) return std::nullopt;
+  out.kind = static_cast<EkiMove::Kind>(*kind);
+  return out;
 }
 
 /// Takes values out of the elements of a message. One that is missing or out of its range makes it useless.
@@ -61,8 +95,9 @@ class Fields {
 }  // namespace
 
 std::string encode(const EkiRequest& request) {
-  return fmt::format("<Polyarm Id=\"{}\" Do=\"{}\" Number=\"{}\" Value=\"{}\"></Polyarm>\n", request.id,
-                     static_cast<int>(request.what), request.number, request.value);
+  return fmt::format("<Polyarm Id=\"{}\" Do=\"{}\" Number=\"{}\" Value=\"{}\">{}</Polyarm>\n", request.id,
+                     static_cast<int>(request.what), request.number, request.value,
+                     request.move ? encode(*request.move) : std::string());
 }
 
 std::string encode(const EkiReply& reply) {
@@ -77,6 +112,8 @@ std::string encode(const EkiReply& reply) {
              static_cast<std::int32_t>(s.inputs), static_cast<std::int32_t>(s.outputs), int{s.rsi},
              s.rsi_return) +
          six_in("Axes", s.axes) +
+         fmt::format("<Moves On=\"{}\" Session=\"{}\" Ended=\"{}\" Halted=\"{}\" Time=\"{}\"/>", int{s.moves},
+                     s.session, s.ended, s.halted, s.time_ms) +
          fmt::format(
              "<Init Version=\"{}\" NumAxes=\"{}\" Robot=\"{}\" Rsi=\"{}\" Cycle=\"{}\" Late=\"{}\" "
              "Limit=\"{:.6f}\" Relative=\"{}\"/>",
@@ -125,9 +162,14 @@ std::optional<EkiRequest> decode_request(std::string_view text) noexcept {
   const auto id = value("Id"), what = value("Do"), number = value("Number"), amount = value("Value");
   if (!id || !what || *what < 0 || *what > 255 || *id < 0 || *id > 1'000'000'000) return std::nullopt;
   const auto small = [](std::optional<std::int64_t> n) {
-    return n && *n >= 0 && *n <= 1'000'000 ? static_cast<int>(*n) : 0;
+    return n && *n >= 0 && *n <= kMostNumber ? static_cast<int>(*n) : 0;
   };
-  return EkiRequest{static_cast<int>(*id), static_cast<EkiDo>(*what), small(number), small(amount)};
+  EkiRequest out{static_cast<int>(*id), static_cast<EkiDo>(*what), small(number), small(amount), {}};
+  if (const auto* move = document.find("Move")) {
+    out.move = decode_move(document, *move);
+    if (!out.move) return std::nullopt;
+  }
+  return out;
 }
 
 std::optional<EkiReply> decode_reply(std::string_view text) {
@@ -153,6 +195,11 @@ std::optional<EkiReply> decode_reply(std::string_view text) {
   s.rsi = f.flag("Rsi", "On");
   s.rsi_return = static_cast<int>(f.integer("Rsi", "Return", -1'000'000, 1'000'000));
   s.axes = f.six("Axes");
+  s.moves = f.flag("Moves", "On");
+  s.session = static_cast<int>(f.integer("Moves", "Session", 0, kMostNumber));
+  s.ended = static_cast<int>(f.integer("Moves", "Ended", 0, kMostNumber));
+  s.halted = static_cast<int>(f.integer("Moves", "Halted", 0, kMostNumber));
+  s.time_ms = f.integer("Moves", "Time", -(1LL << 31), (1LL << 31) - 1);
   EkiIdentity& i = out.identity;
   i.axes = static_cast<int>(f.integer("Init", "NumAxes", 1, 12));
   i.robot = f.text("Init", "Robot");
@@ -211,10 +258,10 @@ std::optional<EkiReply> Eki::await_answer(Nanoseconds deadline) {
   }
 }
 
-std::optional<EkiReply> Eki::ask(EkiDo what, int number, int value) {
+std::optional<EkiReply> Eki::ask(EkiDo what, int number, int value, const std::optional<EkiMove>& move) {
   if (!socket_) return std::nullopt;
   id_ = id_ % 1'000'000 + 1;
-  if (!wire::send_frame(socket_.number(), encode(EkiRequest{id_, what, number, value})))
+  if (!wire::send_frame(socket_.number(), encode(EkiRequest{id_, what, number, value, move})))
     return fail(answered_ ? Cause::eki_closed : Cause::eki_busy);
   return await_answer(realtime::monotonic_now() + timeout_);
 }

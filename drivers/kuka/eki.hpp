@@ -16,18 +16,43 @@ namespace polyarm::kuka {
 
 using wire::Six;
 
-inline constexpr int kProgramVersion = 1;  ///< of our KRL program and its messages
+inline constexpr int kProgramVersion = 2;  ///< of our KRL program and its messages
 inline constexpr std::size_t kMostSignals = bounds::kSignalsOfController;
 
 /// The numbers are those of the KRL program.
-enum class EkiDo : std::uint8_t { state, start, stop, drives_on, speed_override, output };
+enum class EkiDo : std::uint8_t {
+  state,
+  start,  ///< RSI
+  stop,
+  drives_on,
+  speed_override,
+  output,
+  begin,  ///< a session of moves; `value`: ms without a request until the program ends it
+  move,   ///< `number` of the move, `value`: of the session
+  halt,   ///< the robot stops, and its moves are forgotten; `number` of the halt
+  tool,   ///< $TOOL becomes the end of the move
+  end     ///< of the session: as a halt
+};
 enum class EkiResult : std::uint8_t { done, unknown, mode, not_ready, busy };
+
+/// A move of our KRL program. Degrees, mm, m/s, m/s².
+struct EkiMove {
+  enum Kind : std::uint8_t { none, ptp, lin, circ };
+  Kind kind = none;
+  Six end{};                ///< axes of PTP, else X Y Z A B C of $TOOL in $ROBROOT
+  Six via{};                ///< X Y Z A B C on the way of CIRC
+  double speed = 0;         ///< % of each axis for PTP, else m/s
+  double acceleration = 0;  ///< %, or m/s²
+  double turn = 0;          ///< degrees/s; 0: the controller's highest
+  double blend = 0;         ///< % of half of the way for PTP, else mm; 0: the robot stops at the end
+};
 
 struct EkiRequest {
   int id = 0;
   EkiDo what = EkiDo::state;
-  int number = 0;  ///< of an output
+  int number = 0;  ///< of an output, a move or a halt
   int value = 0;   ///< %, or 0 and 1
+  std::optional<EkiMove> move;
 };
 
 enum class OperatingMode : std::uint8_t { t1 = 1, t2, automatic, external };
@@ -44,6 +69,11 @@ struct EkiState {
   int speed_override = 100;               ///< %
   std::uint32_t inputs = 0, outputs = 0;  ///< a bit each, from 1
   Six axes{};
+  // Moves: the program of forward mode.
+  bool moves = false;          ///< a session is open
+  int session = 0, ended = 0;  ///< number of the session, and of the newest move that ended
+  int halted = 0;              ///< number of the newest halt that is done
+  std::int64_t time_ms = 0;    ///< of the reading, by the controller's clock
 };
 
 /// What does not change while the link is open.
@@ -92,7 +122,8 @@ class Eki {
   bool open();
   void close();
   /// The answer; nothing: see failure(). A connection that failed stays closed.
-  std::optional<EkiReply> ask(EkiDo what, int number = 0, int value = 0);
+  std::optional<EkiReply> ask(EkiDo what, int number = 0, int value = 0,
+                              const std::optional<EkiMove>& move = std::nullopt);
   /// Address of this computer, as the controller sees it.
   std::string own_address() const;
 

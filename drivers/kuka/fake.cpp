@@ -56,12 +56,14 @@ CallbackReturn FakeKuka::on_init(const hardware::ComponentContext& context) {
   own.parameters["pace"] = "false";
   own.parameters.erase("rsi_host");
   own.parameters.erase("rsi_address");
-  return KukaComponent::on_init(own);
+  own.parameters.try_emplace("answer_ms", "20000");
+  own.parameters.try_emplace("watchdog_ms", "5000");
+  return SimulatedComponent::on_init(own);
 }
 
 CallbackReturn FakeKuka::on_configure() {
   const CallbackReturn done = SimulatedComponent::on_configure();
-  if (done == CallbackReturn::success) far_->send_rsi_to("127.0.0.1", link()->rsi_port());
+  if (done == CallbackReturn::success && link()) far_->send_rsi_to("127.0.0.1", link()->rsi_port());
   return done;
 }
 
@@ -72,9 +74,13 @@ CallbackReturn FakeKuka::on_activate() {
 }
 
 hardware::ReturnType FakeKuka::read(const hardware::Cycle& cycle, std::span<double> states) noexcept {
-  step(seconds(cycle.period));
-  if (cycles_++ % kServices == 0) link()->serve_services();
-  return KukaComponent::read(cycle, states);
+  if (forward()) {
+    step_asked(seconds(cycle.period), *forward());
+  } else {
+    step(seconds(cycle.period));
+    if (cycles_++ % kServices == 0) link()->serve_services();
+  }
+  return SimulatedComponent::read(cycle, states);
 }
 
 std::string FakeKuka::summary() const {

@@ -113,6 +113,16 @@ EkiResult FarEki::carry_out(const EkiRequest& request) {
       return machine_.set_override(request.value);
     case EkiDo::output:
       return machine_.set_output(request.number, request.value != 0);
+    case EkiDo::begin:
+      return moves_.begin(request.value);
+    case EkiDo::move:
+      return moves_.take(request);
+    case EkiDo::halt:
+      return moves_.halt(request.value, request.number);
+    case EkiDo::tool:
+      return request.move ? moves_.set_tool(request.value, *request.move) : EkiResult::not_ready;
+    case EkiDo::end:
+      return moves_.end();
   }
   return EkiResult::unknown;
 }
@@ -122,9 +132,11 @@ bool FarEki::take(Client& client, const std::string& text) {
   const auto request = decode_request(text);
   if (!request) return false;
   ++requests_;
+  moves_.hear();
   const EkiResult result = carry_out(*request);
   if (faults_.mute || faults_.power_off) return true;
   EkiReply reply = machine_.reply();
+  moves_.fill(reply.state);
   reply.id = request->id;
   reply.result = result;
   if (faults_.other_program) reply.identity.version = kProgramVersion + 1;
@@ -151,6 +163,7 @@ void FarEki::serve() {
               });
   for (std::size_t i = 1; i < door_.clients().size(); ++i) door_.clients()[i]->gone = true;
   door_.drop_gone();
+  if (door_.clients().empty()) moves_.end();
 }
 
 void FarEki::descriptors(std::vector<int>& out) {

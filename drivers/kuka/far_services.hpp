@@ -3,6 +3,7 @@
 #include <string>
 #include <vector>
 
+#include "drivers/kuka/far_moves.hpp"
 #include "drivers/kuka/machine.hpp"
 #include "drivers/wire/service.hpp"
 #include "drivers/wire/udp.hpp"
@@ -60,15 +61,19 @@ class FarRsi {
   std::vector<std::string> kept_;  ///< packets that a fault keeps back
 };
 
-/// Our KRL program behind EthernetKRL. It takes one client.
+/// Our KRL programs behind EthernetKRL. They take one client; without one, a session of moves ends.
 class FarEki {
  public:
-  FarEki(Machine& machine, FarFaults& faults) : machine_(machine), faults_(faults) {}
+  FarEki(Machine& machine, FarMoves& moves, FarFaults& faults)
+      : machine_(machine), moves_(moves), faults_(faults) {}
   void listen(const std::string& address, int port) { door_.listen(address, port); }
   int port() const { return door_.port(); }
   void serve();
   void descriptors(std::vector<int>& out);
-  void drop() { door_.drop_all(); }
+  void drop() {
+    door_.drop_all();
+    moves_.end();
+  }
   std::uint64_t requests() const { return requests_; }
 
  private:
@@ -82,6 +87,7 @@ class FarEki {
   EkiResult carry_out(const EkiRequest& request);
 
   Machine& machine_;
+  FarMoves& moves_;
   FarFaults& faults_;
   wire::Service<Client> door_;
   std::uint64_t requests_ = 0;

@@ -19,6 +19,7 @@ constexpr wire::OrderKind kKinds[] = {
     {"drives_off", "somebody switches the drives off"},
     {"stop", "somebody stops the program at the smartPAD"},
     {"cancel", "somebody deselects it"},
+    {"play", "somebody presses Start for a program that was stopped"},
     {"rsi_off", "RSI ends, the program goes on"},
     {"collision", "a collision stops the robot, with a message"},
     {"small_limit", "the context of RSI allows so many degrees less than it says (359)"},
@@ -40,7 +41,9 @@ constexpr wire::OrderKind kKinds[] = {
     {"old_rsi", "RSI 2 (KR C2)"},
     {"seven", "the controller has seven axes"},
     {"rsi_error", "RSI_CREATE returns this number (4)"},
-    {"refuse_start", "the program does not start RSI"},
+    {"refuse_start", "the program starts neither RSI nor moves"},
+    {"refuse_moves", "the program of moves takes none"},
+    {"silent_halts", "it never says that it stopped the robot"},
     {"refuse_drives", "the drives do not switch on"},
     {"locked_outputs", "outputs cannot be written"},
     {"power_off", "the controller loses its power"},
@@ -52,20 +55,24 @@ constexpr wire::OrderKind kKinds[] = {
 FarSide::FarSide(FarSideOptions options)
     : options_(std::move(options)),
       machine_(options_.machine),
+      moves_(machine_),
       rsi_(machine_, faults_, options_.sen_type),
-      eki_(machine_, faults_),
+      eki_(machine_, moves_, faults_),
       clock_(options_.patience) {
   options_.machine = machine_.options();
   eki_.listen(options_.address, options_.eki);
   rsi_.open(options_.address);
   if (options_.rsi > 0) rsi_.send_to(options_.rsi_host, options_.rsi);
   if (options_.running) machine_.start();
-  clock_.start(nanoseconds(machine_.period()),
-               {[this](std::vector<int>& open) {
-                  open.push_back(rsi_.descriptor());
-                  eki_.descriptors(open);
-                },
-                [this] { serve(); }, [this] { return rsi_.waits(); }, [this] { rsi_.cycle(); }});
+  clock_.start(nanoseconds(machine_.period()), {[this](std::vector<int>& open) {
+                                                  open.push_back(rsi_.descriptor());
+                                                  eki_.descriptors(open);
+                                                },
+                                                [this] { serve(); }, [this] { return rsi_.waits(); },
+                                                [this] {
+                                                  moves_.step(machine_.period());
+                                                  rsi_.cycle();
+                                                }});
 }
 
 void FarSide::send_rsi_to(const std::string& host, int port) {
@@ -105,6 +112,7 @@ void FarSide::order_by_hand(const std::string& kind) {
   if (is("drives_off")) machine_.switch_drives(false);
   if (is("stop")) machine_.stop_program();
   if (is("cancel")) machine_.cancel_program();
+  if (is("play")) machine_.press_start();
   if (is("rsi_off")) machine_.end_rsi();
   if (is("collision")) machine_.stop_with_message();
 }
@@ -124,6 +132,8 @@ void FarSide::order_on_wires(const std::string& kind, int number) {
                                                      {"refuse_start", &machine_.refuse_start},
                                                      {"refuse_drives", &machine_.refuse_drives},
                                                      {"locked_outputs", &machine_.locked_outputs},
+                                                     {"refuse_moves", &moves_.refuse},
+                                                     {"silent_halts", &moves_.confirms_not},
                                                      {"power_off", &faults_.power_off}};
   for (const auto& [name, flag] : kSwitches)
     if (is(name)) *flag = true;
@@ -148,6 +158,7 @@ void FarSide::order_on_wires(const std::string& kind, int number) {
 void FarSide::make_healthy() {
   faults_ = {};
   machine_.slow = machine_.refuse_start = machine_.refuse_drives = machine_.locked_outputs = false;
+  moves_.refuse = moves_.confirms_not = false;
   machine_.rsi_error = 0;
   machine_.hidden_limit = 0;
   machine_.options().identity = options_.machine.identity;
@@ -175,6 +186,11 @@ std::uint64_t FarSide::answers() {
 std::uint64_t FarSide::requests() {
   const auto lock = clock_.lock();
   return eki_.requests();
+}
+
+bool FarSide::takes_moves() {
+  const auto lock = clock_.lock();
+  return moves_.is_open();
 }
 
 void FarSide::serve() {

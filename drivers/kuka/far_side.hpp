@@ -50,6 +50,8 @@ class FarSide {
   std::uint64_t packets() { return sent().first; }
   std::uint64_t answers();
   std::uint64_t requests();
+  /// A session of moves is open.
+  bool takes_moves();
   /// Looks at the machine, or changes it, between two cycles.
   template <typename Use>
   auto with(Use use) {
@@ -66,6 +68,7 @@ class FarSide {
 
   FarSideOptions options_;
   Machine machine_;
+  FarMoves moves_;
   FarFaults faults_;
   FarRsi rsi_;
   FarEki eki_;

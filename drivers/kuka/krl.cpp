@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "drivers/kuka/eki.hpp"
+#include "drivers/kuka/krl_moves.hpp"
 #include "drivers/kuka/rsi.hpp"
 
 namespace polyarm::kuka {
@@ -68,7 +69,7 @@ constexpr const char* kEkiConfiguration = R"(<ETHERNETKRL>
       <ELEMENT Tag="Polyarm/@Do" Type="INT" />
       <ELEMENT Tag="Polyarm/@Number" Type="INT" />
       <ELEMENT Tag="Polyarm/@Value" Type="INT" />
-      <ELEMENT Tag="Polyarm" Set_Flag="202" />
+@RECEIVES@      <ELEMENT Tag="Polyarm" Set_Flag="202" />
     </XML>
   </RECEIVE>
   <SEND>
@@ -84,7 +85,7 @@ DEFDAT PolyarmEki PUBLIC
   GLOBAL BOOL POLYARM_GO = FALSE     ; RSI shall begin
   GLOBAL BOOL POLYARM_ON = FALSE     ; RSI runs
   GLOBAL INT POLYARM_RETURN = 0      ; of the RSI function that failed last
-  DECL STATE_T state
+@MOVES_DATA@  DECL STATE_T state
   DECL MODUS_T mode = #SYNC
 ENDDAT
 )";
@@ -92,12 +93,14 @@ ENDDAT
 constexpr const char* kEkiProgram = R"(&ACCESS RVP
 DEF PolyarmEki()
   ; Polyarm's end of EthernetKRL. The submit interpreter calls PolyarmInit() once and PolyarmLoop() in each
-  ; round (sps.sub). Nothing here moves the robot: a start lets PolyarmRsi.src run RSI.
+  ; round (sps.sub). Nothing here moves the robot: a start lets PolyarmRsi.src run RSI, and moves are for
+  ; PolyarmMoves.src.
 END
 
 GLOBAL DEF PolyarmInit()
   DECL EKI_STATUS ret
   POLYARM_GO = FALSE
+  POLYARM_OPEN = FALSE
   $FLAG[201] = FALSE
   $FLAG[202] = FALSE
   ret = EKI_Init("PolyarmEki")
@@ -107,6 +110,7 @@ END
 GLOBAL DEF PolyarmLoop()
   DECL EKI_STATUS ret
   INT id, what, number, amount, result
+  PolyarmWatch()
   IF NOT $FLAG[202] THEN
     WAIT SEC 0.012
     RETURN
@@ -121,6 +125,8 @@ GLOBAL DEF PolyarmLoop()
     ret = EKI_GetInt("PolyarmEki", "Polyarm/@Do", what)
     ret = EKI_GetInt("PolyarmEki", "Polyarm/@Number", number)
     ret = EKI_GetInt("PolyarmEki", "Polyarm/@Value", amount)
+    $TIMER[60] = 0
+    $TIMER_STOP[60] = FALSE
     result = PolyarmDo(what, number, amount)
     PolyarmAnswer(id, result)
   ENDLOOP
@@ -156,6 +162,16 @@ DEFFCT INT PolyarmDo(what:IN, number:IN, amount:IN)
       ENDIF
       $OUT[number] = (amount <> 0)
       RETURN 0
+    CASE 6
+      RETURN PolyarmBegin(amount)
+    CASE 7
+      RETURN PolyarmMove(number, amount, FALSE)
+    CASE 8
+      RETURN PolyarmStop(number, amount)
+    CASE 9
+      RETURN PolyarmMove(number, amount, TRUE)
+    CASE 10
+      RETURN PolyarmFinish()
   ENDSWITCH
   RETURN 1
 ENDFCT
@@ -197,7 +213,7 @@ DEFFCT INT PolyarmStart()
   RETURN 0
 ENDFCT
 
-DEFFCT INT PolyarmBit(on:IN)
+@MOVES_REQUESTS@DEFFCT INT PolyarmBit(on:IN)
   BOOL on
   IF on THEN
     RETURN 1
@@ -278,7 +294,7 @@ DEF PolyarmAnswer(id:IN, result:IN)
   ret = EKI_SetInt("PolyarmEki", "Robot/Panel/@Out", PolyarmSignals(FALSE))
   ret = EKI_SetInt("PolyarmEki", "Robot/Rsi/@On", PolyarmBit(POLYARM_ON AND $PRO_ACT))
   ret = EKI_SetInt("PolyarmEki", "Robot/Rsi/@Return", POLYARM_RETURN)
-@AXES@  ret = EKI_SetInt("PolyarmEki", "Robot/Init/@Version", @VERSION@)
+@AXES@@MOVES_ANSWER@  ret = EKI_SetInt("PolyarmEki", "Robot/Init/@Version", @VERSION@)
   ret = EKI_SetInt("PolyarmEki", "Robot/Init/@NumAxes", $NUM_AX + $EX_AX_NUM)
   ret = EKI_SetString("PolyarmEki", "Robot/Init/@Robot", $ROBTRAFO[])
   ret = EKI_SetInt("PolyarmEki", "Robot/Init/@Rsi", @RSI@)
@@ -336,6 +352,8 @@ constexpr const char* kSteps =
 5. sps.sub: PolyarmInit() in the fold USER INIT, PolyarmLoop() in the fold USER PLC. Start the submit
    interpreter.
 6. Mode EXT: the driver starts PolyarmRsi itself. Mode AUT: select PolyarmRsi and press Start; it waits.
+7. Forward mode (`motion: forward`) needs EthernetKRL only, and the program PolyarmMoves in place of
+   PolyarmRsi. It uses flag 203, timer 60 and interrupt 21: keep them free. Its tool is the cell's ($TOOL).
 )";
 
 std::string corrections(bool relative) {
@@ -358,6 +376,8 @@ std::string sends() {
     for (int i = 1; i <= 6; ++i) add(fmt::format("{}/@A{}", element, i));
   };
   add_axes("Axes");
+  for (const char* one : {"Moves/@On", "Moves/@Session", "Moves/@Ended", "Moves/@Halted", "Moves/@Time"})
+    add(one);
   for (const char* one : {"Init/@Version", "Init/@NumAxes", "Init/@Robot", "Init/@Rsi", "Init/@Cycle",
                           "Init/@Late", "Init/@Limit", "Init/@Relative"})
     add(one);
@@ -460,9 +480,10 @@ std::vector<KrlFile> krl_files(const KrlSettings& s) {
   const std::string sensor = "Config/User/Common/SensorInterface", eki = "Config/User/Common/EthernetKRL",
                     programs = "KRC/R1/Program", suffix = old ? "rsi.xml" : "rsix";
   std::vector<KrlFile> out{
-      {sensor, "PolyarmRsi.xml", kRsiEthernet},   {sensor, "PolyarmRsi." + suffix, context_of(s)},
-      {eki, "PolyarmEki.xml", kEkiConfiguration}, {programs, "PolyarmEki.dat", kEkiData},
-      {programs, "PolyarmEki.src", kEkiProgram},  {programs, "PolyarmRsi.src", kRsiProgram}};
+      {sensor, "PolyarmRsi.xml", kRsiEthernet},           {sensor, "PolyarmRsi." + suffix, context_of(s)},
+      {eki, "PolyarmEki.xml", kEkiConfiguration},         {programs, "PolyarmEki.dat", kEkiData},
+      {programs, "PolyarmEki.src", kEkiProgram},          {programs, "PolyarmRsi.src", kRsiProgram},
+      {programs, "PolyarmMoves.src", krl_moves_program()}};
   std::string files;
   for (const KrlFile& file : out) files += "     " + file.name + " to " + file.folder + "\n";
   out.push_back({"", "STEPS.txt", kSteps});
@@ -472,6 +493,10 @@ std::vector<KrlFile> krl_files(const KrlSettings& s) {
                       {"SENTYPE", kSenType},
                       {"CORRECTIONS", corrections(s.relative)},
                       {"SENDS", sends()},
+                      {"RECEIVES", krl_moves_receives()},
+                      {"MOVES_DATA", krl_moves_data()},
+                      {"MOVES_REQUESTS", krl_moves_requests()},
+                      {"MOVES_ANSWER", krl_moves_answer()},
                       {"AXES", axes_of_answer()},
                       {"VERSION", std::to_string(kProgramVersion)},
                       {"RSI", std::to_string(s.rsi)},

@@ -8,10 +8,9 @@
 #include <string>
 #include <thread>
 
-#include "drivers/kuka/eki.hpp"
+#include "drivers/kuka/eki_link.hpp"
 #include "drivers/kuka/rsi.hpp"
 #include "drivers/kuka/words.hpp"
-#include "drivers/wire/link_base.hpp"
 #include "drivers/wire/shaper.hpp"
 #include "drivers/wire/signals.hpp"
 #include "drivers/wire/udp.hpp"
@@ -70,7 +69,7 @@ struct LinkSettings {
 
 /// open(), close(), start() and stop() come from one thread at a time and may wait; the calls marked control
 /// thread do not.
-class Link : public wire::LinkBase<Cause> {
+class Link : public EkiLink {
  public:
   explicit Link(LinkSettings settings);
   ~Link() { close(); }
@@ -112,12 +111,8 @@ class Link : public wire::LinkBase<Cause> {
   enum class Phase : std::uint8_t { idle, starting, streaming, ending };
 
   // how it begins and ends; link_setup.cpp
-  bool refuse_eki();
   bool connect_services();
-  bool check_identity();
   bool bind_rsi();
-  bool check_panel(const EkiState& state);
-  bool switch_drives_on();
   bool end_old_session(bool runs);
   bool begin_program();
   bool await_running();
@@ -167,8 +162,7 @@ class Link : public wire::LinkBase<Cause> {
   Descriptor rsi_, services_wake_;
   std::uint32_t sender_host_ = 0;  // network byte order
 
-  std::recursive_mutex eki_mutex_;  // the client, and what belongs to it; never another thread's
-  Eki eki_;
+  std::recursive_mutex eki_mutex_;  // of eki_, and what belongs to it; never another thread's
   Outputs wanted_, written_;
   Panel current_panel_;
 

@@ -47,22 +47,15 @@ bool Link::write_outputs() {
 /// What the controller shows first, then what RSI showed last; rsi_ended: nothing else is known.
 Cause Link::cause_of(const EkiState& state, int& detail) const {
   if (state.rsi) return Cause::none;
-  if (state.emergency_stop) return Cause::emergency_stop;
-  if (state.guard_stop) return Cause::guard_stop;
-  if (state.mode == OperatingMode::t1 || state.mode == OperatingMode::t2) {
-    detail = static_cast<int>(state.mode);
-    return Cause::manual_mode;
-  }
+  if (const Cause cause = safety_cause(state, detail); cause != Cause::none) return cause;
   detail = late_answers_;
   if (detail + 1 >= identity_.late_limit) return Cause::late_answers;
   detail = most_axis_;
   if (most_correction_ >= kNearLimit * identity_.correction_limit) return Cause::correction_limit;
   detail = state.rsi_return;
   if (detail != 0) return Cause::rsi_refused;
-  if (state.message) return Cause::message;
-  if (!state.drives) return Cause::drives_off;
-  if (state.program == ProgramState::stopped) return Cause::program_stopped;
-  return state.program == ProgramState::active ? Cause::rsi_ended : Cause::program_ended;
+  const Cause cause = program_cause(state);
+  return cause == Cause::none ? Cause::rsi_ended : cause;
 }
 
 void Link::judge_panel(const EkiState& state) {

@@ -13,9 +13,7 @@ namespace polyarm::kuka {
 namespace {
 
 constexpr Nanoseconds kPause = 50'000'000;
-constexpr Nanoseconds kDrives = 5'000'000'000;  // for the drives to be on
 constexpr Nanoseconds kRsiEnd = 2'000'000'000;  // for RSI to end
-constexpr int kOldestRsi = 3;
 
 }  // namespace
 
@@ -24,16 +22,11 @@ Outputs::Outputs() noexcept : speed_override(std::numeric_limits<double>::quiet_
 }
 
 Link::Link(LinkSettings settings)
-    : LinkBase("the controller at " + settings.host),
+    : EkiLink(settings.host, settings.eki_port, settings.timeout),
       settings_(std::move(settings)),
       services_wake_(::eventfd(0, EFD_NONBLOCK | EFD_CLOEXEC)),
-      eki_(settings_.host, settings_.eki_port, settings_.timeout),
       shaper_(settings_.cycle_ms / 1000.0) {
   if (settings_.rsi_host.empty()) settings_.rsi_host = settings_.host;
-}
-
-bool Link::refuse_eki() {
-  return refuse(eki_.failure().cause, 0, eki_.failure().text);
 }
 
 bool Link::connect_services() {
@@ -45,16 +38,10 @@ bool Link::connect_services() {
   const auto reply = eki_.ask(EkiDo::state);
   if (!reply) return refuse_eki();
   identity_ = reply->identity;
-  return check_identity() && take_panel(reply->state);
-}
-
-bool Link::check_identity() {
-  if (identity_.version != kProgramVersion) return refuse(Cause::program_version, identity_.version);
-  if (identity_.rsi < kOldestRsi) return refuse(Cause::old_rsi, identity_.rsi);
-  if (identity_.axes != 6) return refuse(Cause::axes, identity_.axes);
+  if (!check_identity(identity_)) return false;
   settings_.cycle_ms = identity_.cycle_ms;
   settings_.relative = identity_.relative;
-  return true;
+  return take_panel(reply->state);
 }
 
 /// Only the interface that reaches the controller's RSI network listens.
@@ -104,28 +91,6 @@ void Link::close() {
   open_ = false;
   rsi_ = Descriptor();
   eki_.close();
-}
-
-/// What a person has to change at the controller first.
-bool Link::check_panel(const EkiState& state) {
-  if (state.emergency_stop) return refuse(Cause::emergency_stop);
-  if (state.guard_stop) return refuse(Cause::guard_stop);
-  if (state.mode == OperatingMode::t1 || state.mode == OperatingMode::t2)
-    return refuse(Cause::manual_mode, static_cast<int>(state.mode));
-  if (state.message) return refuse(Cause::message);
-  if (!state.drives) return settings_.drives_on ? switch_drives_on() : refuse(Cause::drives_off);
-  return true;
-}
-
-bool Link::switch_drives_on() {
-  const Nanoseconds deadline = realtime::monotonic_now() + std::min(kDrives, settings_.start_timeout);
-  for (EkiDo what = EkiDo::drives_on;; what = EkiDo::state, wire::wait_readable(-1, kPause)) {
-    const auto reply = eki_.ask(what);
-    if (!reply) return refuse_eki();
-    if (reply->state.drives) return true;
-    if (reply->result != EkiResult::done || realtime::monotonic_now() > deadline)
-      return refuse(Cause::drives_refused);
-  }
 }
 
 /// Until EthernetKRL says that RSI is off; without it, until its packets end.
@@ -226,7 +191,9 @@ bool Link::start() {
     const auto reply = eki_.ask(EkiDo::state);
     if (!reply) return refuse_eki();
     take_panel(reply->state);
-    if (!check_panel(reply->state) || !end_old_session(reply->state.rsi)) return false;
+    if (!check_panel(reply->state, settings_.drives_on, settings_.start_timeout) ||
+        !end_old_session(reply->state.rsi))
+      return false;
   }
   if (begin_program() && await_running()) return true;
   give_up_start();

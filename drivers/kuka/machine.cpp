@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "drivers/forward/move_frame.hpp"
 #include "drivers/wire/six_axes.hpp"
 
 namespace polyarm::kuka {
@@ -15,6 +16,7 @@ constexpr double kStopRamp = 0.1;   // s, of every stop
 constexpr double kFollows = 0.6;    // of the way to the setpoint, in each cycle
 constexpr double kStill = 1e-9;     // degrees
 constexpr double kTooFast = 1.05;   // of an axis' velocity, until the controller stops it
+constexpr double kTooFastMove = 1.1;  // the same, of a move: the corners of blends are ours
 
 std::uint32_t mask(int number) {
   return 1u << (number - 1);
@@ -33,6 +35,8 @@ MachineFacts facts_of(const description::RobotModel& model) {
   out.upper = axes.upper;
   out.velocity = axes.velocity;
   out.chain = std::make_shared<const kinematics::Chain>(model, axes.flange);
+  out.tool_flange =
+      std::make_shared<const kinematics::Chain>(model, forward::tool_flange(model, axes.flange));
   return out;
 }
 
@@ -44,12 +48,28 @@ Machine::Machine(MachineOptions options) : options_(std::move(options)), q_(opti
 
 /// Comes to rest on a straight ramp.
 void Machine::stop_motion() {
+  stop_moves();
   if (rsi_ == Rsi::running) {
     ramp_ = kStopRamp;
     rsi_ = Rsi::braking;
   } else if (rsi_ == Rsi::beginning) {
     rsi_ = Rsi::off;
   }
+}
+
+void Machine::stop_moves() {
+  next_.reset();
+  if (std::exchange(driving_, false)) ramp_ = kStopRamp;
+}
+
+bool Machine::still() const {
+  for (std::size_t i = 0; i < 6; ++i)
+    if (q_[i] != setpoint_[i] || velocity_[i] != 0) return false;
+  return true;
+}
+
+void Machine::press_start() {
+  if (program_ == ProgramState::stopped && ready() == EkiResult::done) program_ = ProgramState::active;
 }
 
 void Machine::emergency(bool on) {
@@ -108,12 +128,26 @@ void Machine::push_by_hand(const Six& change) {
   for (std::size_t i = 0; i < 6; ++i) q_[i] = setpoint_[i] = q_[i] + change[i];
 }
 
+/// Of a program to be started.
+EkiResult Machine::ready() const {
+  if (refuse_start) return EkiResult::busy;
+  if (mode_ == Mode::t1 || mode_ == Mode::t2) return EkiResult::mode;
+  return emergency_ || guard_ || message_ || !drives_ ? EkiResult::not_ready : EkiResult::done;
+}
+
+EkiResult Machine::begin_moves() {
+  if (rsi_ != Rsi::off) return EkiResult::busy;
+  if (mode_ == Mode::automatic && program_ != ProgramState::active) return EkiResult::mode;
+  const EkiResult out = ready();
+  if (out == EkiResult::done) program_ = ProgramState::active;
+  return out;
+}
+
 EkiResult Machine::start() {
   if (rsi_ != Rsi::off) return EkiResult::busy;
   if (refuse_start) return EkiResult::busy;
-  if (mode_ == Mode::t1 || mode_ == Mode::t2) return EkiResult::mode;
   if (mode_ == Mode::automatic && program_ != ProgramState::active) return EkiResult::mode;
-  if (emergency_ || guard_ || message_ || !drives_) return EkiResult::not_ready;
+  if (const EkiResult out = ready(); out != EkiResult::done) return out;
   program_ = ProgramState::active;
   rsi_return_ = rsi_error;
   if (rsi_error != 0) return EkiResult::done;  // the program shows it
@@ -154,6 +188,22 @@ void Machine::take(const RsiSensor& answer) {
   if (answer.stop && !no_stop) end_rsi();
 }
 
+/// A move goes on to its next setpoint; an axis that is too fast or beyond its limit stops it. False: there
+/// is no move.
+bool Machine::follow_move() {
+  if (!next_) return false;
+  for (std::size_t i = 0; i < 6; ++i) {
+    const double step = (*next_)[i] - setpoint_[i];
+    const bool fast = std::abs(step) > kTooFastMove * options_.facts.velocity[i] * period();
+    const bool outside = (*next_)[i] < options_.facts.lower[i] || (*next_)[i] > options_.facts.upper[i];
+    if (!fast && !outside) continue;
+    stop_with_message();
+    return false;
+  }
+  driving_ = true;
+  return true;
+}
+
 /// What the controller ends RSI for.
 void Machine::judge() {
   if (rsi_ != Rsi::running) return;
@@ -168,23 +218,28 @@ void Machine::judge() {
   }
 }
 
-/// RSI applies a correction as it is; a stop ends on a ramp.
+/// RSI applies a correction as it is, and a move its setpoint; a stop ends on a ramp.
 void Machine::follow() {
   const double dt = period();
+  const bool moves = follow_move();
+  if (!moves && std::exchange(driving_, false)) velocity_ = {};  // the last move has ended at rest
   const double left = ramp_ > dt ? 1 - dt / ramp_ : 0;
-  if (rsi_ == Rsi::braking) ramp_ = std::max(0.0, ramp_ - dt);
+  if (rsi_ != Rsi::running && !moves) ramp_ = std::max(0.0, ramp_ - dt);
   for (std::size_t i = 0; i < 6; ++i) {
     const double before = setpoint_[i];
-    if (rsi_ == Rsi::running) velocity_[i] = (base_[i] + correction_[i] - setpoint_[i]) / dt;
-    if (rsi_ == Rsi::braking) velocity_[i] *= left;
-    if (rsi_ == Rsi::off || rsi_ == Rsi::beginning) velocity_[i] = 0;
-    setpoint_[i] = rsi_ == Rsi::running ? base_[i] + correction_[i] : setpoint_[i] + velocity_[i] * dt;
+    const double wanted = moves ? (*next_)[i] : base_[i] + correction_[i];
+    if (rsi_ == Rsi::running || moves)
+      velocity_[i] = (wanted - setpoint_[i]) / dt;
+    else
+      velocity_[i] *= left;
+    setpoint_[i] = rsi_ == Rsi::running || moves ? wanted : setpoint_[i] + velocity_[i] * dt;
     jump_ = std::max(jump_, std::abs(setpoint_[i] - before));
     const double at = q_[i];
     q_[i] += kFollows * (setpoint_[i] - q_[i]);
     if (std::abs(setpoint_[i] - q_[i]) < kStill) q_[i] = setpoint_[i];
     fastest_ = std::max(fastest_, std::abs(q_[i] - at) / dt);
   }
+  next_.reset();
   if (rsi_ == Rsi::braking && ramp_ <= 0) rsi_ = Rsi::off;
 }
 

@@ -3,6 +3,7 @@
 /// far_side.hpp gives it some. Degrees, millimetres, seconds, as the controller has them. One thread.
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -19,7 +20,7 @@ namespace polyarm::kuka {
 struct MachineFacts {
   std::string model = "KR 10 R1100-3";
   Six lower{}, upper{}, velocity{};
-  std::shared_ptr<const kinematics::Chain> chain;
+  std::shared_ptr<const kinematics::Chain> chain, tool_flange;  ///< tool_flange: what $TOOL counts from
 };
 /// From a model of six revolute joints in a chain. Throws Error("bad-model").
 MachineFacts facts_of(const description::RobotModel& model);
@@ -58,6 +59,19 @@ class Machine {
   EkiResult set_override(int percent);
   EkiResult set_output(int number, bool on);
 
+  // Moves of our program PolyarmMoves; far_moves.hpp makes them.
+  EkiResult begin_moves();
+  /// The setpoint after the next step.
+  void drive(const Six& next) { next_ = next; }
+  /// The robot comes to rest on a straight ramp.
+  void stop_moves();
+  bool still() const;
+  bool may_move() const { return program_runs() && drives_ && !emergency_ && !guard_ && !message_; }
+  bool program_is_free() const { return program_ == ProgramState::free; }
+  int speed_override() const { return override_; }
+  const Six& setpoint() const { return setpoint_; }
+  void press_start();  ///< of the program that is selected
+
   /// An answer for the newest packet.
   void take(const RsiSensor& answer);
   /// What RSI sends in this cycle.
@@ -91,12 +105,16 @@ class Machine {
  private:
   enum class Rsi : std::uint8_t { off, beginning, running, braking };
   std::optional<Six> flange(const Six& joints) const;
+  EkiResult ready() const;
   void stop_motion();
+  bool follow_move();
   void follow();
   void judge();
 
   MachineOptions options_;
   Six q_, setpoint_, velocity_{}, base_{}, correction_{};
+  std::optional<Six> next_;  ///< of a move
+  bool driving_ = false;     ///< a move is under way
   double jump_ = 0, fastest_ = 0, since_begin_ = 0, ramp_ = 0;
   std::uint64_t ipoc_ = 4'208'000, sessions_ = 0;
   bool emergency_ = false, guard_ = false, drives_ = true, message_ = false, answered_ = true;

@@ -41,8 +41,13 @@ const char* name(Cause cause) {
                                     "output-refused",
                                     "too-fast",
                                     "loop-silent",
-                                    "jump"};
-  static_assert(std::size(kNames) == static_cast<std::size_t>(Cause::jump) + 1);
+                                    "jump",
+                                    "joint-commands",
+                                    "off-target",
+                                    "moves-refused",
+                                    "moves-ended",
+                                    "halt-unconfirmed"};
+  static_assert(std::size(kNames) == static_cast<std::size_t>(Cause::halt_unconfirmed) + 1);
   return kNames[static_cast<std::size_t>(cause)];
 }
 
@@ -99,7 +104,7 @@ std::string service_sentence(Cause cause, int detail, const std::string& where, 
              "interpreter was stopped; start that again, then recover here";
     case Cause::program_version:
       return where + " has version " + std::to_string(detail) +
-             " of PolyarmEki, and this driver needs version 1: copy the files of `polyarm setup kuka "
+             " of PolyarmEki, and this driver needs another one: copy the files of `polyarm setup kuka "
              "--write` anew";
     case Cause::old_rsi:
       return where + " has RSI " + std::to_string(detail) +
@@ -213,6 +218,31 @@ std::string motion_sentence(Cause cause, int detail, const std::string& where, c
   }
 }
 
+/// Forward mode.
+std::string moves_sentence(Cause cause, int detail, const std::string& where) {
+  switch (cause) {
+    case Cause::joint_commands:
+      return wire::joint_commands_sentence(detail, where);
+    case Cause::off_target:
+      return axis(detail) + " of " + where +
+             " is not where its move ended, though the program there says that it did: check that nothing "
+             "else moves the robot, and its mastering";
+    case Cause::moves_refused:
+      return "the program PolyarmMoves of " + where + " takes no move (" + std::to_string(detail) +
+             "): its buffer is full or its session is over; recover here, which begins a new one";
+    case Cause::moves_ended:
+      return "the program PolyarmMoves of " + where +
+             " ended the session of moves by itself: no request reached it within `watchdog_ms`, or another "
+             "program uses its EthernetKRL; check the network, then recover here";
+    case Cause::halt_unconfirmed:
+      return "the program PolyarmMoves of " + where +
+             " does not say that it stopped the robot: look at its smartPAD for a message, cancel the "
+             "program, then recover here";
+    default:
+      return {};
+  }
+}
+
 }  // namespace
 
 std::string sentence(Cause cause, int detail, const std::string& where, const std::string& text) {
@@ -220,6 +250,7 @@ std::string sentence(Cause cause, int detail, const std::string& where, const st
   if (cause == Cause::start_refused) return start_refused(detail, where);
   if (std::string out = service_sentence(cause, detail, where, text); !out.empty()) return out;
   if (std::string out = state_sentence(cause, detail, where); !out.empty()) return out;
+  if (std::string out = moves_sentence(cause, detail, where); !out.empty()) return out;
   return motion_sentence(cause, detail, where, text);
 }
 

@@ -41,7 +41,12 @@ enum class Cause : std::uint8_t {
   output_refused,  ///< detail: number of the output
   too_fast,        ///< the loop asks for more than the limits; detail: axis * 3 + LimitKind
   loop_silent,
-  jump,  ///< detail: joint
+  jump,              ///< detail: joint
+  joint_commands,    ///< forward mode, and a controller commands joints; detail: joint
+  off_target,        ///< detail: axis
+  moves_refused,     ///< detail: EkiResult
+  moves_ended,       ///< the session of moves ended at the controller
+  halt_unconfirmed,  ///< the program does not say that it stopped the robot
 };
 const char* name(Cause cause);
 

@@ -12,11 +12,6 @@ namespace {
 using test::KukaRig;
 using namespace test;
 
-/// What a person does at the controller. The drives stay off.
-void mend(FarSide& far) {
-  for (const char* order : {"release", "guard_closed", "acknowledge", "ext", "healthy"}) far.order(order);
-}
-
 class WhileMoving : public testing::TestWithParam<FaultRow> {};
 INSTANTIATE_TEST_SUITE_P(Faults, WhileMoving,
                          testing::Values(FaultRow{"e_stop", Cause::emergency_stop, "release the button"},
@@ -50,7 +45,7 @@ INSTANTIATE_TEST_SUITE_P(
     Faults, BeforeItMoves,
     testing::Values(FaultRow{"busy", Cause::eki_busy, "takes one client"},
                     FaultRow{"nonsense", Cause::eki_bad_data, "another program may listen"},
-                    FaultRow{"other_program", Cause::program_version, "version 2 of PolyarmEki"},
+                    FaultRow{"other_program", Cause::program_version, "version 3 of PolyarmEki"},
                     FaultRow{"old_rsi", Cause::old_rsi, "RSI 2"}, FaultRow{"seven", Cause::axes, "7 axes"},
                     FaultRow{"slow", Cause::wrong_rate, "83 Hz"},
                     FaultRow{"e_stop", Cause::emergency_stop, "emergency stop"},
@@ -263,7 +258,7 @@ TEST(KukaFaults, AnAnswerWithAnotherClockIsLate) {
 }
 
 TEST(KukaWords, EveryCauseSaysWhatToDo) {
-  expect_words_for_every_cause(Cause::jump, kuka::sentence, kuka::name, 25);
+  expect_words_for_every_cause(Cause::halt_unconfirmed, kuka::sentence, kuka::name, 25);
 }
 
 /// Faults drawn at random, in every state: always named, always standing, never a jump.

@@ -39,6 +39,11 @@ class KukaRig : public WireRig<kuka::FakeKuka> {
   }
 };
 
+/// What a person does at the controller. The drives stay off.
+inline void mend(FarSide& far) {
+  for (const char* order : {"release", "guard_closed", "acknowledge", "ext", "healthy"}) far.order(order);
+}
+
 /// A motion that speeds up smoothly in 80 cycles.
 inline double travel(int i, double step) {
   return travel(i, step, 80);

@@ -193,7 +193,7 @@ TEST(EkiMessages, AStreamWithoutAnEndIsGivenUp) {
   EXPECT_FALSE(text.feed("HTTP/1.1 400 Bad Request\r\n"));
   EkiReader flood;  // messages that nobody takes
   fine = true;
-  for (int i = 0; fine && i < 1000; ++i) fine = flood.feed(encode(EkiRequest{i}));
+  for (int i = 0; fine && i < 1000; ++i) fine = flood.feed(encode(EkiRequest{i, EkiDo::state, 0, 0, {}}));
   EXPECT_FALSE(fine);
 }
 
@@ -219,7 +219,7 @@ TEST(KrlFiles, HaveNoPlaceLeftAndNameWhatTheDriverExpects) {
     settings.rsi = version;
     settings.own_address = "192.168.7.20";
     const auto files = krl_files(settings);
-    ASSERT_EQ(files.size(), 7u);
+    ASSERT_EQ(files.size(), 8u);
     for (const KrlFile& file : files) {
       EXPECT_EQ(file.text.find('@' + std::string("A")), file.text.find("@A1\"")) << file.name;
       for (const char* place : {"@RSI", "@CYCLE", "@LATE", "@MODE", "@ADDRESS", "@FILES"})
@@ -250,7 +250,7 @@ TEST(KrlFiles, TheTagsOfAnAnswerAreThoseThatTheDriverReads) {
               std::string::npos)
         << tag;
   }
-  EXPECT_EQ(tags, 39u);
+  EXPECT_EQ(tags, 44u);
   XmlDocument document;
   EXPECT_EQ(document.read(encode(reply())), Result::whole);
 }

@@ -1,0 +1,219 @@
+/// What the link in forward mode does while it is open: the thread that asks, judges and sends.
+#include "drivers/kuka/forward_link.hpp"
+
+#include <poll.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "drivers/kuka/move_shape.hpp"
+#include "polyarm/realtime/periodic.hpp"
+
+namespace polyarm::kuka {
+
+using forward::MoveOrder;
+
+namespace {
+
+constexpr double kRadians = std::numbers::pi / 180;
+constexpr Nanoseconds kLook = 20'000'000;  // between two judgements without an event
+constexpr int kMostAsks = 8;               // requests of one round
+constexpr double kMostAngle = 36'000;      // degrees
+
+}  // namespace
+
+// --- control thread -------------------------------------------------------------------------------------
+
+void ForwardLink::cycle(const Outputs& outputs) noexcept {
+  outputs_.write(outputs);
+  cycles_.fetch_add(1, std::memory_order_release);
+}
+
+bool ForwardLink::exchange(Nanoseconds timeout) noexcept {
+  const std::uint64_t before = rounds_.load();
+  const Nanoseconds end = realtime::monotonic_now() + timeout;
+  round_wanted_ = true;
+  wake();
+  while (rounds_.load() == before) {
+    if (gone_.load()) return false;
+    if (!await(std::max<Nanoseconds>(end - realtime::monotonic_now(), 0))) return false;
+  }
+  fetch();
+  return true;
+}
+
+// --- the thread -----------------------------------------------------------------------------------------
+
+void ForwardLink::wait() {
+  const bool own = !settings_.stepped || own_rounds_;
+  const Nanoseconds left =
+      own && !gone_ ? std::clamp<Nanoseconds>(next_round_ - realtime::monotonic_now(), 0, kLook) : kLook;
+  if (left > 0) wire::wait_readable(wake_.number(), left);
+}
+
+void ForwardLink::run() {
+  while (!quit_) {
+    wait();
+    calm(wake_.number());
+    const Nanoseconds now = realtime::monotonic_now();
+    take_wanted(now);
+    judge_loop(now);
+    const bool own = !settings_.stepped || own_rounds_;
+    const bool wanted = round_wanted_.exchange(false);
+    if (gone_ || !(wanted || (own && now >= next_round_))) continue;
+    round();
+    next_round_ = now + settings_.poll;
+    rounds_.fetch_add(1);
+    begin_cycle();
+    changed_.notify_all();
+  }
+}
+
+void ForwardLink::take_wanted(Nanoseconds now) {
+  if (outputs_.fetch()) wanted_ = outputs_.value();
+  const std::uint64_t cycles = cycles_.load(std::memory_order_acquire);
+  if (cycles == cycles_seen_) return;
+  cycles_seen_ = cycles;
+  cycled_at_ = now;
+}
+
+/// At least one answer: each of them has the whole state.
+void ForwardLink::round() {
+  for (int i = 0; i < kMostAsks && !gone_ && ask_next(i > 0); ++i) {
+  }
+}
+
+/// False: nothing is to be asked, or there was no answer.
+bool ForwardLink::ask_next(bool asked) {
+  const Phase phase = phase_;
+  if (phase == Phase::ending || (phase == Phase::active && fault_)) {
+    if (!end_heard_ && ask_end()) return true;
+  } else if (phase == Phase::active && cycles_seen_ > 0) {
+    if (!ordered_) order_ = moves_.next();
+    ordered_ = order_.kind != MoveOrder::Kind::nothing;
+    // The override goes out before the order: a move begins at its pace.
+    if (ask_override() || ask_order() || ask_output()) return !fault_;
+  }
+  return !asked && ask(EkiDo::state);
+}
+
+bool ForwardLink::ask(EkiDo what, int number, int value, const std::optional<EkiMove>& move) {
+  const auto reply = eki_.ask(what, number, value, move);
+  if (!reply) {
+    gone_ = true;
+    note(eki_.failure().cause, 0, eki_.failure().text);
+    return false;
+  }
+  take(*reply);
+  if (reply->result == EkiResult::done || fault_ || phase_ != Phase::active) return true;
+  const bool of_moves = what == EkiDo::move || what == EkiDo::halt || what == EkiDo::tool;
+  if (of_moves) note(Cause::moves_refused, static_cast<int>(reply->result));
+  if (what == EkiDo::output) note(Cause::output_refused, number);
+  return true;
+}
+
+/// A person at the smartPAD may lower the override until the pace changes. While the robot slows down to
+/// rest, one that is raised is set to 0 again.
+bool ForwardLink::ask_override() {
+  const auto share = moves_.slider();
+  if (!share) return false;
+  const int wanted = *share > 0 ? std::clamp(static_cast<int>(std::lround(100 * *share)), 1, 100) : 0;
+  const bool raised = wanted == 0 && percent_ == 0 && current_.state.speed_override > 0;
+  if (wanted == percent_ && !raised) return false;
+  percent_ = wanted;
+  ask(EkiDo::speed_override, 0, wanted);
+  return true;
+}
+
+bool ForwardLink::ask_order() {
+  if (!ordered_) return false;
+  ordered_ = false;
+  switch (order_.kind) {
+    case MoveOrder::Kind::move:
+      ask(EkiDo::move, order_.number, session_, eki_move(order_, moves_.frame()));
+      return true;
+    case MoveOrder::Kind::halt:
+      ask(EkiDo::halt, order_.number, session_);
+      return true;
+    case MoveOrder::Kind::tool:
+      ask(EkiDo::tool, 0, session_, eki_tool(order_.tool));
+      return true;
+    case MoveOrder::Kind::nothing:
+      return false;
+  }
+  return false;
+}
+
+/// Only what changed is written: somebody at the smartPAD may have switched the others.
+bool ForwardLink::ask_output() {
+  for (int i = 0; i < settings_.outputs.count; ++i) {
+    const auto at = static_cast<std::size_t>(i);
+    if (!std::isfinite(wanted_.digital[at])) continue;
+    const double wanted = wanted_.digital[at] > 0.5 ? 1.0 : 0.0;
+    if (wanted == written_.digital[at]) continue;
+    written_.digital[at] = wanted;
+    ask(EkiDo::output, settings_.outputs.first + i, static_cast<int>(wanted));
+    return true;
+  }
+  return false;
+}
+
+/// Whatever ended the link, nothing goes on by itself at the controller.
+bool ForwardLink::ask_end() {
+  if (!end_asked_) {
+    end_asked_ = true;
+    return ask(EkiDo::end, 0, session_);
+  }
+  if (current_.state.moves && current_.state.session == session_) return false;
+  end_heard_ = true;
+  over_ = true;
+  if (fault_ || !percent_before_) return false;
+  const int before = *percent_before_;
+  percent_before_.reset();
+  return ask(EkiDo::speed_override, 0, before);
+}
+
+void ForwardLink::take(const EkiReply& reply) {
+  const EkiState& s = reply.state;
+  Six q;
+  for (std::size_t i = 0; i < 6; ++i) q[i] = s.axes[i] * kRadians;
+  if (std::any_of(s.axes.begin(), s.axes.end(), [](double a) { return std::abs(a) > kMostAngle; }))
+    return note(Cause::eki_bad_data);
+  const auto step = static_cast<std::int32_t>(static_cast<std::uint32_t>(s.time_ms) -
+                                              static_cast<std::uint32_t>(current_.state.time_ms));
+  if (current_.count == 0) time_ms_ = 0;
+  if (current_.count > 0 && step > 0) {
+    time_ms_ += step;
+    for (std::size_t i = 0; i < 6; ++i) current_.dq[i] = (q[i] - current_.q[i]) * 1000 / step;
+  }
+  if (current_.count == 0 || step != 0) current_.q = q;
+  current_.state = s;
+  ++current_.count;
+  if (phase_ == Phase::active && !fault_) {
+    judge(s);
+    moves_.take(report());
+    if (const auto joint = moves_.off_target()) note(Cause::off_target, *joint);
+    if (moves_.awaits_halt_too_long()) note(Cause::halt_unconfirmed);
+  }
+  samples_.write(current_);
+}
+
+forward::MoveReport ForwardLink::report() const {
+  return {static_cast<double>(time_ms_) / 1000, current_.q, current_.state.ended, current_.state.halted};
+}
+
+void ForwardLink::judge(const EkiState& state) {
+  int detail = 0;
+  Cause cause = safety_cause(state, detail);
+  if (cause == Cause::none) cause = program_cause(state);
+  if (cause == Cause::none && !(state.moves && state.session == session_)) cause = Cause::moves_ended;
+  if (cause != Cause::none) note(cause, detail);
+}
+
+void ForwardLink::judge_loop(Nanoseconds now) {
+  if (phase_ != Phase::active || fault_) return;
+  if (cycles_seen_ > 0 && now - cycled_at_ > settings_.loop_silence) note(Cause::loop_silent);
+}
+
+}  // namespace polyarm::kuka
