@@ -20,7 +20,7 @@ constexpr std::array<const char*, 6> kEnd{"P1", "P2", "P3", "P4", "P5", "P6"};
 constexpr std::array<const char*, 6> kVia{"V1", "V2", "V3", "V4", "V5", "V6"};
 constexpr std::array<const char*, 4> kNumbers{"Speed", "Rate", "Turn", "Blend"};
 constexpr double kMostOfMove = 1e5;  // degrees, mm
-constexpr int kMostNumber = 1'000'000'000;
+constexpr int kHighestNumber = 1'000'000'000;
 
 std::string six_in(const char* element, const Six& values) {
   std::string out = fmt::format("<{}", element);
@@ -162,7 +162,7 @@ std::optional<EkiRequest> decode_request(std::string_view text) noexcept {
   const auto id = value("Id"), what = value("Do"), number = value("Number"), amount = value("Value");
   if (!id || !what || *what < 0 || *what > 255 || *id < 0 || *id > 1'000'000'000) return std::nullopt;
   const auto small = [](std::optional<std::int64_t> n) {
-    return n && *n >= 0 && *n <= kMostNumber ? static_cast<int>(*n) : 0;
+    return n && *n >= 0 && *n <= kHighestNumber ? static_cast<int>(*n) : 0;
   };
   EkiRequest out{static_cast<int>(*id), static_cast<EkiDo>(*what), small(number), small(amount), {}};
   if (const auto* move = document.find("Move")) {
@@ -196,9 +196,9 @@ std::optional<EkiReply> decode_reply(std::string_view text) {
   s.rsi_return = static_cast<int>(f.integer("Rsi", "Return", -1'000'000, 1'000'000));
   s.axes = f.six("Axes");
   s.moves = f.flag("Moves", "On");
-  s.session = static_cast<int>(f.integer("Moves", "Session", 0, kMostNumber));
-  s.ended = static_cast<int>(f.integer("Moves", "Ended", 0, kMostNumber));
-  s.halted = static_cast<int>(f.integer("Moves", "Halted", 0, kMostNumber));
+  s.session = static_cast<int>(f.integer("Moves", "Session", 0, kHighestNumber));
+  s.ended = static_cast<int>(f.integer("Moves", "Ended", 0, kHighestNumber));
+  s.halted = static_cast<int>(f.integer("Moves", "Halted", 0, kHighestNumber));
   s.time_ms = f.integer("Moves", "Time", -(1LL << 31), (1LL << 31) - 1);
   EkiIdentity& i = out.identity;
   i.axes = static_cast<int>(f.integer("Init", "NumAxes", 1, 12));

@@ -14,7 +14,7 @@ namespace {
 
 constexpr double kRadians = std::numbers::pi / 180;
 constexpr double kSpeedUp = 0.2;  // s, of an axis to its full speed
-constexpr double kMostSpeed = 3;  // m/s ($VEL_MA.CP)
+constexpr double kPathSpeed = 3;  // m/s ($VEL_MA.CP)
 
 Six scaled(const Six& six, double by) {
   Six out;
@@ -52,7 +52,7 @@ forward::PlayedMove played(const EkiMove& move, int number) {
   out.kind = move.kind == EkiMove::lin ? Kind::line : Kind::arc;
   out.end = pose_of(move.end);
   out.via_point = pose_of(move.via).position;
-  out.speed = std::clamp(move.speed, 1e-3, kMostSpeed);
+  out.speed = std::clamp(move.speed, 1e-3, kPathSpeed);
   out.acceleration = std::max(move.acceleration, 1e-2);
   out.turn = move.turn * kRadians;
   out.blend = move.blend / 1000;

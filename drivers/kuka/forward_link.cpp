@@ -18,8 +18,8 @@ namespace {
 
 constexpr double kRadians = std::numbers::pi / 180;
 constexpr Nanoseconds kLook = 20'000'000;  // between two judgements without an event
-constexpr int kMostAsks = 8;               // requests of one round
-constexpr double kMostAngle = 36'000;      // degrees
+constexpr int kAsksOfRound = 8;               // requests of one round
+constexpr double kFarthestAngle = 36'000;      // degrees
 
 }  // namespace
 
@@ -80,7 +80,7 @@ void ForwardLink::take_wanted(Nanoseconds now) {
 
 /// At least one answer: each of them has the whole state.
 void ForwardLink::round() {
-  for (int i = 0; i < kMostAsks && !gone_ && ask_next(i > 0); ++i) {
+  for (int i = 0; i < kAsksOfRound && !gone_ && ask_next(i > 0); ++i) {
   }
 }
 
@@ -178,7 +178,7 @@ void ForwardLink::take(const EkiReply& reply) {
   const EkiState& s = reply.state;
   Six q;
   for (std::size_t i = 0; i < 6; ++i) q[i] = s.axes[i] * kRadians;
-  if (std::any_of(s.axes.begin(), s.axes.end(), [](double a) { return std::abs(a) > kMostAngle; }))
+  if (std::any_of(s.axes.begin(), s.axes.end(), [](double a) { return std::abs(a) > kFarthestAngle; }))
     return note(Cause::eki_bad_data);
   const auto step = static_cast<std::int32_t>(static_cast<std::uint32_t>(s.time_ms) -
                                               static_cast<std::uint32_t>(current_.state.time_ms));
