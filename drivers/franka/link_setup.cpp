@@ -125,8 +125,8 @@ std::optional<Status> Link::request(Request what, const Data& data) {
   const auto id = port_.send(*number, data);
   const auto came = [&] { return fault_ || (id && replies_.contains(*id)); };
   // The robot may move before it answers that it recovered.
-  const Nanoseconds most = what == Request::recover ? std::max(settings_.timeout, settings_.start_timeout)
-                                                    : settings_.timeout;
+  const Nanoseconds most =
+      what == Request::recover ? std::max(settings_.timeout, settings_.start_timeout) : settings_.timeout;
   if (id) changed_.wait_for(lock, std::chrono::nanoseconds(most), came);
   if (id && replies_.contains(*id)) {
     const Status status = status_of(replies_[*id].data[0], what, version_);

@@ -18,8 +18,8 @@ namespace {
 
 constexpr double kRadians = std::numbers::pi / 180;
 constexpr Nanoseconds kLook = 20'000'000;  // between two judgements without an event
-constexpr int kAsksOfRound = 8;               // requests of one round
-constexpr double kFarthestAngle = 36'000;      // degrees
+constexpr int kAsksOfRound = 8;            // requests of one round
+constexpr double kFarthestAngle = 36'000;  // degrees
 
 }  // namespace
 

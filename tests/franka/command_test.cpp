@@ -30,14 +30,10 @@ std::vector<std::string> far_side(std::vector<std::string> more = {}) {
 /// `polyarm setup franka` for a far side, from the line with its ports.
 Finished set_up(Command& far, std::vector<std::string> more = {}) {
   const std::string line = far.line_with("robot at port");
-  std::vector<std::string> out{"setup",
-                               "franka",
-                               "--host",
-                               "127.0.0.1",
-                               "--port",
-                               number_behind(line, "robot at port"),
-                               "--hand-port",
-                               number_behind(line, "hand at port")};
+  std::vector<std::string> out{"setup",       "franka",
+                               "--host",      "127.0.0.1",
+                               "--port",      number_behind(line, "robot at port"),
+                               "--hand-port", number_behind(line, "hand at port")};
   out.insert(out.end(), more.begin(), more.end());
   return run_command(out);
 }
