@@ -3,6 +3,7 @@
 /// renews them in each tick; the control cycle keeps the joints on the free side. Metres, radians. For the
 /// control cycle: no allocation, no exceptions.
 #include <array>
+#include <bitset>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
@@ -18,6 +19,8 @@ namespace polyarm::jog {
 struct Barrier {
   double room = 0;          ///< m left at Barriers::at; negative: nearer than it may be
   double bend = 0;          ///< m per rad²: the room falls below its tangent by at most half of this
+  std::bitset<kMostJogJoints> moving =
+      std::bitset<kMostJogJoints>().set();  ///< joints that change the room; the others do not count
   std::int32_t which = -1;  ///< the pair of bodies, for whoever made the barriers
   bool slides = false;      ///< a TCP that closes in on it slides along it; else it stops on its line
   JogValues gradient{};     ///< of the room, by joint
@@ -48,7 +51,7 @@ struct Barriers {
     for (std::size_t j = 0; j < q.size(); ++j) {
       const double by = q[j] - at[j];
       change += barrier.gradient[j] * by;
-      way += std::abs(by);
+      way += barrier.moving[j] ? std::abs(by) : 0.0;
     }
     return barrier.room + change - barrier.bend / 2 * way * way;
   }

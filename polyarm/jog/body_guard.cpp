@@ -98,7 +98,12 @@ void BodyGuard::add_points(std::size_t index, double keep, std::size_t count, Ba
   Barrier barrier;
   barrier.which = static_cast<std::int32_t>(index);
   barrier.slides = moves_with_tcp(pair);
-  for (const double lever : bodies_.lever_of(pair, robot_)) barrier.bend = std::max(barrier.bend, lever);
+  const std::span<const double> levers = bodies_.lever_of(pair, robot_);
+  barrier.moving.reset();
+  for (std::size_t j = 0; j < levers.size(); ++j) {
+    barrier.bend = std::max(barrier.bend, levers[j]);
+    barrier.moving[j] = levers[j] > 0;
+  }
   for (std::size_t i = 0; i < count; ++i) {
     barrier.room = points_[i].distance - keep;
     bodies_.gradient(pair, robot_, points_[i], {barrier.gradient.data(), limits_.size()});
