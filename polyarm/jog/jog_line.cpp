@@ -22,6 +22,10 @@ constexpr int kAdds = 4;
 constexpr double kShortest = 1e-8;
 /// A joint stays this far from its limits, rad or m.
 constexpr double kOffLimit = 5e-5;
+/// The path may begin this far beside the joints, rad or m.
+constexpr double kBesideIt = 0.01;
+/// What rounding leaves beside the path, in reaches and radians: a singularity would make much of it.
+constexpr double kOnIt = 1e-9;
 /// A joint that does less than this share of what others do has no limit here.
 constexpr double kStill = 1e-6;
 /// A singularity that takes more than this share of the wish ends the path.
@@ -122,9 +126,11 @@ bool JogLine::begin(std::span<const double> q, const Pose& tcp, const Twist& uni
 void JogLine::put_on_line() noexcept {
   Twist error = between({solver_.position(), solver_.rotation()}, start_);
   if (solver_.columns() < 6) error[3] = error[4] = error[5] = 0;
-  if (linear(error) == 0 && angular(error) == 0) return;
+  if (linear(error) / length_ + angular(error) < kOnIt) return;
   JogValues back;
   solver_.exact(error, back);
+  for (std::size_t j = 0; j < joints_; ++j)
+    if (std::abs(back[j]) > kBesideIt) return;
   for (std::size_t j = 0; j < joints_; ++j) q_[j] += back[j];
   solver_.at({q_.data(), joints_});
 }

@@ -174,6 +174,37 @@ TEST(StraightJogs, AmongObstaclesOnlyTheHandAndTheWristSlide) {
   EXPECT_GT(held, 5);
 }
 
+TEST(JogLine, BeginsALittleBesideTheJointsAtAnySpeed) {
+  JogRig rig("universal_robots/ur5e");
+  rig.start(rig.middle());
+  Pose tcp = rig.tcp();
+  tcp.position.z += 1e-4;
+  JogLine line(rig.chain, rig.generator.axes(), rig.dt);
+  ASSERT_TRUE(line.begin(rig.joints(), tcp, {1, 0, 0, 0, 0, 0}, false, 0, 0));
+  for (int k = 0; k < 1000; ++k) {
+    line.step(1e-3, 1, {});
+    ASSERT_NE(line.hold(), JogHold::singularity) << k;
+  }
+  EXPECT_NEAR(line.speed(), 1e-3, 1e-6);
+}
+
+TEST(JogLine, AHelixGoesWhereItsDirectionPoints) {
+  JogRig rig("universal_robots/ur5e");
+  rig.start(rig.middle());
+  const Pose tcp = rig.tcp();
+  JogLine line(rig.chain, rig.generator.axes(), rig.dt);
+  ASSERT_TRUE(line.begin(rig.joints(), tcp, {0.6, 0, 0.8, 0, 0, 2}, true, 0, 0));
+  for (int k = 0; k < 600; ++k) {
+    const Pose from = line.pose();
+    const Twist before = line.direction();
+    line.step(0.05, 1, {});
+    const Twist after = line.direction(), by = between(from, line.pose());
+    for (std::size_t i = 0; i < 6; ++i)
+      ASSERT_NEAR(by[i], linear(by) * (before[i] + after[i]) / 2, 1e-9) << k << " " << i;
+  }
+  EXPECT_GT(linear(between(tcp, line.pose())), 0.005);
+}
+
 INSTANTIATE_TEST_SUITE_P(All, StraightJogsOf,
                          testing::Values("universal_robots/ur3", "universal_robots/ur5e",
                                          "fanuc/lr_mate_200id", "franka/fer_panda",
