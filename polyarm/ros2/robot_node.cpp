@@ -52,7 +52,8 @@ class RobotNode : public Part {
   void serve() override {
     const Nanoseconds now = bridge_.cell().now();
     if (!bridge_.tells()) return;
-    if (clock_) {
+    if (clock_ && now != clock_told_) {
+      clock_told_ = now;
       const std::int64_t time = bridge_.ros_time(now);
       bridge_.wire().publish(
           *clock_, messages::to_cdr(messages::rosgraph_msgs::msg::Clock{recording::stamp_of(time)}));
@@ -106,6 +107,7 @@ class RobotNode : public Part {
   recording::StateMessages state_;
   Wire::Id moving_ = 0;
   std::optional<Wire::Id> clock_;
+  Nanoseconds clock_told_ = -1;  ///< the cell time of the last message on /clock
   Nanoseconds reported_frames_ = -1;
 };
 
