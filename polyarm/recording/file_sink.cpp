@@ -33,11 +33,11 @@ void remove_recording(const std::filesystem::path& path) {
   ::unlink(path.c_str());
 }
 
-/// Named as base/file names its temporary files, so that sweep_temporaries() removes what a kill leaves.
+/// Named so that sweep_temporaries() removes what a kill leaves, and as no temporary file of base/file.
 std::filesystem::path temporary_beside(const std::filesystem::path& path) {
   static std::atomic<unsigned> count{0};
-  return path.parent_path() / ("." + path.filename().string() + ".tmp" + std::to_string(::getpid()) + "." +
-                               std::to_string(count++));
+  return path.parent_path() / ("." + path.filename().string() + ".recording.tmp" +
+                               std::to_string(::getpid()) + "." + std::to_string(count++));
 }
 
 }  // namespace
