@@ -20,25 +20,39 @@ Pose Stage::root_of(std::size_t robot) const {
 void Stage::drive(const program::Move& move, const Asked& asked) {
   const std::size_t index = moves_->base_of(move, asked.where);
   Arm& base = arms_[index];
+  if (const auto goal = moves_->base_goal(move, asked.where)) return drive_to(index, *goal, asked);
   const auto* amount = move.targets.front().value.as_number();
-  if (move.kind == program::Move::Kind::turn) {
+  if (move.kind == program::Move::Kind::turn)
     base.base.rotation = base.base.rotation * from_rpy(0, 0, amount->value);
-  } else if (const auto goal = moves_->base_goal(move, asked.where)) {
-    surroundings::Moment moment;
-    for (std::size_t i = 0; i < arms_.size(); ++i) moment.robots.push_back({root_of(i), arms_[i].at});
-    const Pose from = std::exchange(base.base, *goal);
-    const Vec3 ahead = goal->rotation * Vec3{1, 0, 0};
-    base.base = {{goal->position.x, goal->position.y, from.position.z},
-                 from_rpy(0, 0, std::atan2(ahead.y, ahead.x))};
-    AroundOptions options;
-    options.clearance = cell_.setup.file.clearance;
-    cell_.motions->wheels(index)->check_way();
-    ++out_.moves;
-    base_search(fixed_bodies(), std::move(moment),
-                {index, cell_.motions->base(index).tracked(), *goal, options})();
-  } else {
+  else
     base.base.position = base.base * Vec3{amount->value, 0, 0};
+  base.driven.push_back({asked});
+}
+
+/// Without a way the base counts as there, unless the program catches the error or something is in its place.
+void Stage::drive_to(std::size_t index, const Pose& goal, const Asked& asked) {
+  Arm& base = arms_[index];
+  surroundings::Moment moment;
+  for (std::size_t i = 0; i < arms_.size(); ++i) moment.robots.push_back({root_of(i), arms_[i].at});
+  AroundOptions options;
+  options.clearance = cell_.setup.file.clearance;
+  cell_.motions->wheels(index)->check_way();
+  ++out_.moves;
+  const bool from_known = start_known(base.driven, asked.where);
+  try {
+    base_search(fixed_bodies(), std::move(moment),
+                {index, cell_.motions->base(index).tracked(), goal, options})();
+    base.driven.push_back({asked, true});
+  } catch (const Error& e) {
+    const Problem problem = e.problems().front();
+    const bool is_taken = problem.code == "goal-in-contact";
+    tell(problem, asked, values_known(asked) && (from_known || is_taken));
+    base.driven.push_back({asked, false, true});
+    if (pending_ || is_taken) return;
   }
+  const Vec3 ahead = goal.rotation * Vec3{1, 0, 0};
+  base.base = {{goal.position.x, goal.position.y, base.base.position.z},
+               from_rpy(0, 0, std::atan2(ahead.y, ahead.x))};
 }
 
 /// Fixtures that do not move, the floor and the robots: what is there in every run.

@@ -174,7 +174,7 @@ ProgramMoves& Stage::moves_of_program() const {
 
 std::vector<double> Stage::joints_now(std::size_t arm) const {
   const Location last = arms_[arm].went.empty() ? Location{} : arms_[arm].went.back().asked.where;
-  if (!helped_.empty() || supposed_met_) here_known_ = here_known_ && start_known(arms_[arm], last);
+  if (!helped_.empty() || supposed_met_) here_known_ = here_known_ && start_known(arms_[arm].went, last);
   return arms_[arm].at;
 }
 
@@ -338,7 +338,7 @@ void Stage::plan(Arm& arm) {
       note_made(arm, e.move);
       const auto& [move, asked] = arm.waiting.front();
       tell(e.problems().front(), asked,
-           values_known(asked) && (is_out_of_reach(arm, move) || start_known(arm, asked.where)));
+           values_known(asked) && (is_out_of_reach(arm, move) || start_known(arm.went, asked.where)));
       if (pending_) return stay(arm, before);
       arm.lost = true;
     }
@@ -447,8 +447,8 @@ bool Stage::is_out_of_reach(const Arm& arm, const moves::Move& move) {
 }
 
 /// True if the move at `where` begins at the same place in every run that reaches it.
-bool Stage::start_known(const Arm& arm, Location where) const {
-  for (auto went = arm.went.rbegin(); went != arm.went.rend(); ++went) {
+bool Stage::start_known(const std::vector<Went>& made, Location where) const {
+  for (auto went = made.rbegin(); went != made.rend(); ++went) {
     const Location& from = went->asked.where;
     if (went->guessed || !values_known(went->asked) || !certainty().follows(from, where)) return false;
     if (went->to_joints) return true;

@@ -133,7 +133,7 @@ class Stage : public program::Host {
   /// A move that counts as made.
   struct Went {
     Asked asked;
-    bool to_joints = false;  ///< it ends at a joint state, independent of its start
+    bool to_joints = false;  ///< it ends at a joint state, or a base at a pose, independent of its start
     bool guessed = false;    ///< it cannot be made, but counts as made
   };
   struct Arm {
@@ -145,6 +145,7 @@ class Stage : public program::Host {
     bool busy = false;       ///< the program has not waited for its latest move
     std::vector<Went> went;  ///< all moves made so far
     Pose base = {};          ///< T_world_base of a base with wheels, after all moves made so far
+    std::vector<Went> driven = {};  ///< all moves of the base made so far
   };
 
   ProgramMoves& moves_of_program() const;
@@ -162,6 +163,7 @@ class Stage : public program::Host {
   };
 
   void drive(const program::Move& move, const Asked& asked);
+  void drive_to(std::size_t index, const Pose& goal, const Asked& asked);
   Pose root_of(std::size_t robot) const;
   const std::shared_ptr<SharedBodies>& fixed_bodies();
   void queue(ProgramMoves::Prepared move, const Asked& asked);
@@ -185,7 +187,7 @@ class Stage : public program::Host {
   static std::vector<double> joints_at(const Arm& arm, const moves::MoveTarget& end,
                                        const std::vector<double>& seed);
   static bool is_out_of_reach(const Arm& arm, const moves::Move& move);
-  bool start_known(const Arm& arm, Location where) const;
+  bool start_known(const std::vector<Went>& made, Location where) const;
   bool values_known(const Asked& asked) const;
   std::vector<Location> calls_at(const Location& where) const;
   const program::Certainty& certainty() const;

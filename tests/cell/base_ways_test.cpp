@@ -179,11 +179,23 @@ TEST_F(BaseWaysOfPrograms, WithoutAWayTheLineFailsAndCheckSaysSoBefore) {
   EXPECT_EQ(checked("drive pose(2.4m)\ndrive pose()\n", kWallAhead), "");
 }
 
+TEST_F(BaseWaysOfPrograms, CheckKeepsOnlyTheHeadingOfAPose) {
+  EXPECT_EQ(checked("drive pose(1m, 0, 0, 180deg, 0, 0)\nturn 90deg\ndrive 1m\ndrive pose()\n",
+                    "  post: {box: [0.2, 0.2, 1], at: [1, -1, 0.5]}\n"),
+            "");
+}
+
 TEST_F(BaseWaysOfPrograms, CheckEndsAtItsLimitOfMoves) {
   file("for i in 1 .. 100000\n  drive pose(0.2m)\n  drive pose()\nend\n", "");
   const auto found = check(folder.path(), {}, description::Catalogue({}), {});
   EXPECT_GT(found.moves, 400u);
   EXPECT_LT(found.moves, 1000u);
+}
+
+TEST_F(BaseWaysOfPrograms, AfterAnErrorThatTheProgramCatchesTheBaseStandsWhereItWas) {
+  const std::string program =
+      "try\n  drive pose(1.2m, 0)\non error e\n  log(e.text)\nend\ndrive pose(0.2m)\n";
+  EXPECT_EQ(checked(program, kWallAhead), "");
 }
 
 TEST_F(BaseWaysOfPrograms, ItDocksAheadOfTwoPlaces) {

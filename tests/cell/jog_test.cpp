@@ -247,7 +247,7 @@ TEST_F(JogTest, TheReducedProfileKeepsTheTcpBelowItsSpeed) {
   const auto fastest = [&] {
     Json state = jog({{"tcp", {{"z", 0.5}}}, {"frame", "world"}, {"hold", 5}});
     double out = 0;
-    for (int i = 0; i < 40; ++i) {
+    for (int i = 0; i < 80; ++i) {
       cell->run(0.01);
       out = std::max(out, cell->result({{"request", "jog.state"}})["speed"].get<double>());
     }

@@ -230,8 +230,8 @@ TEST(BaseWays, WhatStandsBesideItOnTheGroundIsAnObstacle) {
   description::Part crate;
   crate.name = "crate";
   crate.shape = box(0.5, 0.5, 0.5);
-  site.scene.parts = {crate};
-  site.moment.parts = {{{{0.651, 0, 0.25}, {}}, true, -1}};  // 1 mm before its front
+  site.scene.parts.push_back(crate);
+  site.moment.parts.push_back({{{0.651, 0, 0.25}, {}}, true, -1});  // 1 mm before its front
   const BaseWay way = site.way({3, 0, 0});
   EXPECT_EQ(way.outcome, BaseWayOutcome::found);
   EXPECT_GT(way.legs.size(), 1u) << "not through it";
