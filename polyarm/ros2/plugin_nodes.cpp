@@ -30,8 +30,8 @@ constexpr auto kLook = std::chrono::milliseconds(50);
 /// Payloads of one port in a tick; open requests of one service; length of a name.
 constexpr int kMostInATick = 32;
 constexpr std::size_t kMostRequests = 64, kLongestName = 200;
-/// How long a client waits for the reply to one call before its next one goes out; and how long calls wait for
-/// a server.
+/// How long a client waits for the reply to one call before its next one goes out; and how long calls wait
+/// for a server.
 constexpr auto kLongestCall = std::chrono::seconds(10);
 
 /// "std_msgs/msg/String" as "std_msgs::msg::dds_::String_".
@@ -162,7 +162,8 @@ class OpenPort {
     if (bridge_.wire().call(id_, bytes_of(letter_.payload))) calling_ = letter_.number, called_ = now;
   }
   void drop_calls(NodePort& port) {
-    while (port.to_graph.take(letter_)) {
+    // No more than the queue holds: the plugin goes on sending.
+    for (std::size_t n = 0; n < hardware::LetterQueue::kMost && port.to_graph.take(letter_); ++n) {
     }
   }
   bool take_reply(std::span<const std::byte> reply) {

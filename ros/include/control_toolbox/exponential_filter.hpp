@@ -1,6 +1,6 @@
 #pragma once
-/// y(n) = alpha x(n) + (1 - alpha) y(n-1) for each number; the first value passes. y(n) = y(n-1) where x(n) is
-/// NaN or infinite.
+/// y(n) = alpha x(n) + (1 - alpha) y(n-1) for each number; the first value passes. y(n) = y(n-1) where
+/// x(n) is NaN or infinite.
 #include <cmath>
 
 #include "control_toolbox/filter_traits.hpp"

@@ -141,7 +141,8 @@ class Client : public ClientBase, public std::enable_shared_from_this<Client<Typ
     bool any = call_back(until);
     if constexpr (polyarm_ros::HasFields<Response>::value) {
       polyarm::hardware::Letter letter;
-      for (std::size_t n = 0; n < kMost && port_ && !over(any, until) && port_->from_graph.take(letter); ++n) {
+      for (std::size_t n = 0; n < kMost && port_; ++n) {
+        if (over(any, until) || !port_->from_graph.take(letter)) break;
         auto response = std::make_shared<Response>();
         if (polyarm_ros::decode(letter.payload, *response))
           finish(static_cast<std::int64_t>(letter.number), response);

@@ -9,8 +9,8 @@
 #include "rclcpp/utilities.hpp"
 
 namespace rclcpp {
-/// The next message of the subscription, within the timeout of the steady clock (negative: for ever). A thread
-/// that serves the graph itself, as in on_configure of a controller, does not wait for ever.
+/// The next message of the subscription, within the timeout of the steady clock (negative: for ever). A
+/// thread that serves the graph itself, as in on_configure of a controller, does not wait for ever.
 template <typename Message, typename Rep = long, typename Period = std::milli>
 bool wait_for_message(Message& out, std::shared_ptr<Subscription<Message>> subscription, Context::SharedPtr,
                       std::chrono::duration<Rep, Period> timeout = std::chrono::duration<Rep, Period>(-1)) {
