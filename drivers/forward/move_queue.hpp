@@ -62,8 +62,6 @@ class MoveQueue final : public hardware::ForwardMoves {
   std::optional<int> off_target() const { return off_target_; }
   /// True if the controller does not say that it has stopped the robot and forgotten its moves.
   bool awaits_halt_too_long() const;
-  /// Something is to be sent as soon as possible, or was sent and has not ended.
-  bool busy() const { return !buffer_.sent().empty() || !buffer_.waiting().empty(); }
 
  private:
   enum class Phase : std::uint8_t { running, slowing, halting, halted };

@@ -13,8 +13,10 @@ namespace {
 /// Links of one robot may come this near to each other, m; held parts and what they lie on may overlap by
 /// kPressing.
 constexpr double kOwn = 0.001, kPressing = 0.002;
-/// Barriers reach this far beyond what the joints can move, m: the robot moves on while the cell thread is late.
-constexpr double kBeyond = 0.05;
+/// Barriers reach this far beyond what the joints can move, m: the robot moves on while the cell thread is
+/// late. Bodies of one robot are few and near each other; what has no barrier counts with the levers of the
+/// whole robot and slows every jog, so they have barriers from farther.
+constexpr double kBeyond = 0.05, kBeyondOwn = 0.15;
 /// Deeper than this it counts as a contact, m.
 constexpr double kContact = 5e-4;
 /// A robot that is too near already may come nearer by this; steps along the way on which it brakes, m.
@@ -135,7 +137,8 @@ void BodyGuard::fill(std::span<const double> velocity, std::span<const std::vect
     const std::uint32_t mine = first ? pair.a : pair.b, its = first ? pair.b : pair.a;
     const double drift = other < 0 ? 0 : reaches_[its];
     const double least = margin(pair), keep = least + drift;
-    const double range = keep + (pair.own ? bodies_.change(pair, robot_, reach_) : reaches_[mine]) + kBeyond;
+    const double range =
+        keep + (pair.own ? bodies_.change(pair, robot_, reach_) + kBeyondOwn : reaches_[mine] + kBeyond);
     // What was never measured has no bound, and would hold nothing back.
     const bool is_unknown = !std::isfinite(pair.slack);
     const bool is_near = pair.slack <= range,

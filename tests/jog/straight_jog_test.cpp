@@ -9,6 +9,7 @@
 #include <random>
 #include <string>
 
+#include "polyarm/description/tools.hpp"
 #include "tests/jog/among.hpp"
 
 namespace polyarm::jog::straight_jog_test {
@@ -172,6 +173,25 @@ TEST(StraightJogs, AmongObstaclesOnlyTheHandAndTheWristSlide) {
     }
   std::printf("%ld jogs, %ld held back by a body: off %.4f mm\n", judged, held, 1e3 * off);
   EXPECT_GT(held, 5);
+}
+
+/// Its own bodies are far enough from each other there: they are no reason to jog slowly.
+TEST(StraightJogs, AnArmThatIsAloneReachesItsSpeed) {
+  constexpr double kSpeed = 0.25;
+  Among among("universal_robots/ur3", 1, 0);
+  const description::Tool cup = description::find_tool("suction_cup", "");
+  among.robot.tool = &cup;
+  among.robot.body = surroundings::robot_body(among.robot);
+  among.renew();
+  for (const Vec3 way : {Vec3{0, 0, 1}, Vec3{0, 0, -1}, Vec3{0, 1, 0}, Vec3{0, -1, 0}}) {
+    among.rig.start({0.3, -1.4, 1.9, -2.07, -M_PI / 2, 0.3});  // the cup points down
+    among.before = among.rig.joints();
+    among.rig.fastest = 0;
+    const Course course = jog(among, {way, {}, kSpeed}, 0.7);
+    ASSERT_EQ(among.rig.broken, "") << way.y << " " << way.z;
+    EXPECT_FALSE(course.bends()) << way.y << " " << way.z;
+    EXPECT_GT(among.rig.fastest, 0.95 * kSpeed) << way.y << " " << way.z;
+  }
 }
 
 TEST(JogLine, BeginsALittleBesideTheJointsAtAnySpeed) {
