@@ -4,13 +4,14 @@
 #include "apps/options.hpp"
 #include "drivers/yaskawa/far_side.hpp"
 #include "polyarm/base/reach.hpp"
+#include "polyarm/description/tools.hpp"
 
 namespace polyarm::apps {
 
 namespace {
 
 struct YaskawaArguments {
-  std::string maker, robot = "yaskawa/gp7", address = "127.0.0.1", start, bytes = "little";
+  std::string maker, robot = "yaskawa/gp7", address = "127.0.0.1", start, tool, bytes = "little";
   int motion = yaskawa::kMotionPort, state = yaskawa::kStatePort, io = yaskawa::kIoPort,
       hses = yaskawa::kHsesPort, cycle = 4, state_ms = 25, group = 0;
   std::vector<std::string> wires, orders;
@@ -23,6 +24,7 @@ yaskawa::FarSideOptions yaskawa_options(const YaskawaArguments& a) {
   out.machine.start = start_of(a.start, out.machine.start);
   out.machine.interpolation_ms = a.cycle;
   out.machine.group = a.group;
+  out.tool = description::find_tool(a.tool, ".").tcp;
   out.address = a.address;
   out.motion = a.motion;
   out.state = a.state;
@@ -95,11 +97,13 @@ int run_far_side_yaskawa(int argc, char** argv) {
   app.add_option("--state-ms", a.state_ms, "ms between two states")->range(1, 1000)->capture_default_str();
   app.add_option("--group", a.group, "control group of the robot")->range(0, 3)->capture_default_str();
   app.add_option("--start", a.start, "six angles where the robot begins, in degrees");
+  app.add_option("--tool", a.tool, "the tool whose TCP its tool file has, as in a cell; for forward mode");
   app.add_option("--wire", a.wires, "OUTPUT=INPUT: the input follows the output; may be repeated");
   app.add_option("--order", a.orders, "a fault from the beginning; may be repeated");
-  app.footer(examples({"polyarm far-side yaskawa", "polyarm far-side yaskawa --bytes big --wire 1=1",
-                       "polyarm far-side yaskawa --order teach"}) +
-             "\nFaults, typed or with --order, as KIND or KIND=NUMBER:\n" + yaskawa::FarSide::kinds());
+  app.footer(
+      examples({"polyarm far-side yaskawa", "polyarm far-side yaskawa --bytes big --wire 1=1",
+                "polyarm far-side yaskawa --tool suction_cup", "polyarm far-side yaskawa --order teach"}) +
+      "\nFaults, typed or with --order, as KIND or KIND=NUMBER:\n" + yaskawa::FarSide::kinds());
   if (const auto code = app.parse(argc, argv)) return *code;
   return simulate(a);
 }

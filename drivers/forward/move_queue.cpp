@@ -1,6 +1,7 @@
 #include "drivers/forward/move_queue.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 namespace polyarm::forward {
@@ -14,6 +15,10 @@ constexpr double kStill = 2e-4;  // rad: a robot that moves by less in kStillFor
 constexpr double kStillFor = 0.0495;
 constexpr double kPatience = 2.0005;  // for the override to bring the robot to rest; then it is stopped
 constexpr double kHalting = 15.0005;  // for a stop from full speed with the least deceleration
+// Of a pace that moves are sent with.
+constexpr double kSteady = 0.0995, kRaised = 0.2995;  // that it stays, for a move, and to go faster
+constexpr double kUnsteady = 1.0005;                  // after that a move is sent with any pace
+constexpr double kSamePace = 0.02, kLower = 0.9, kHigher = 1.1;
 constexpr int kMostNumber = 1'000'000'000;
 
 bool same(const Pose& a, const Pose& b) {
@@ -35,6 +40,8 @@ void MoveQueue::begin(const MoveReport& last) {
   phase_ = Phase::running;
   led_ = false;
   still_ = held_ = false;
+  steady_pace_ = 0;
+  pace_since_ = pace_asked_at_ = last.time;
   number_ = std::clamp(last.ended, 0, kMostNumber);
   halts_ = std::clamp(last.halted, 0, kMostNumber);
   report_ = last;
@@ -60,14 +67,15 @@ MoveOrder MoveQueue::next() {
   const double pace = pace_.load();
   const bool clears = buffer_.clearing();
   MoveOrder out;
-  change_phase(clears || !(pace > 0), out);
+  watch_pace(pace);
+  change_phase(clears || !(pace > 0) || wants_another_pace(), out);
   if (phase_ == Phase::halted) {
     if (clears) buffer_.forget();
     held_ = !(pace > 0);
     if (pace > 0) phase_ = Phase::running;
   }
   if (phase_ == Phase::running) {
-    slider_ = std::clamp(pace, 0.0, 1.0);
+    slider_ = paces_ == Paces::in_moves ? 1 : std::clamp(pace, 0.0, 1.0);
     send(out);
   } else if (phase_ == Phase::slowing) {
     slider_ = 0;
@@ -102,6 +110,18 @@ void MoveQueue::change_phase(bool stops, MoveOrder& out) {
   }
 }
 
+void MoveQueue::watch_pace(double pace) {
+  if (!(steady_pace_ > 0) && pace > 0) pace_asked_at_ = report_.time;
+  if (pace > 0 && std::abs(pace - steady_pace_) <= kSamePace * pace) return;
+  steady_pace_ = std::clamp(pace, 0.0, 1.0);
+  pace_since_ = report_.time;
+}
+
+bool MoveQueue::wants_another_pace() const {
+  if (paces_ != Paces::in_moves || buffer_.sent().empty()) return false;
+  return steady_pace_ < kLower * sent_pace_ || (steady_pace_ > kHigher * sent_pace_ && is_steady(kRaised));
+}
+
 bool MoveQueue::awaits_halt_too_long() const {
   return phase_ == Phase::halting && report_.halted != halts_ && report_.time - halting_since_ > kHalting;
 }
@@ -118,8 +138,11 @@ bool MoveQueue::sets_tool(const ForwardMove& move, MoveOrder& out) {
 }
 
 void MoveQueue::send(MoveOrder& out) {
-  if (!buffer_.may_send(slots_) || sets_tool(buffer_.waiting().front(), out)) return;
+  if (!buffer_.may_send(slots_)) return;
+  if (paces_ == Paces::in_moves && !is_steady(kSteady) && report_.time - pace_asked_at_ < kUnsteady) return;
+  if (sets_tool(buffer_.waiting().front(), out)) return;
   out.kind = MoveOrder::Kind::move;
+  out.pace = sent_pace_ = steady_pace_;
   out.number = ++number_;
   out.move = buffer_.waiting().front();
   out.from = buffer_.sent().empty() ? report_.q : end_of(buffer_.sent().back().move);

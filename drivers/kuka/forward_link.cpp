@@ -1,14 +1,11 @@
 /// What the link in forward mode does while it is open: the thread that asks, judges and sends.
 #include "drivers/kuka/forward_link.hpp"
 
-#include <poll.h>
-
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 
 #include "drivers/kuka/move_shape.hpp"
-#include "polyarm/realtime/periodic.hpp"
 
 namespace polyarm::kuka {
 
@@ -17,66 +14,10 @@ using forward::MoveOrder;
 namespace {
 
 constexpr double kRadians = std::numbers::pi / 180;
-constexpr Nanoseconds kLook = 20'000'000;  // between two judgements without an event
 constexpr int kAsksOfRound = 8;            // requests of one round
 constexpr double kFarthestAngle = 36'000;  // degrees
 
 }  // namespace
-
-// --- control thread -------------------------------------------------------------------------------------
-
-void ForwardLink::cycle(const Outputs& outputs) noexcept {
-  outputs_.write(outputs);
-  cycles_.fetch_add(1, std::memory_order_release);
-}
-
-bool ForwardLink::exchange(Nanoseconds timeout) noexcept {
-  const std::uint64_t before = rounds_.load();
-  const Nanoseconds end = realtime::monotonic_now() + timeout;
-  round_wanted_ = true;
-  wake();
-  while (rounds_.load() == before) {
-    if (gone_.load()) return false;
-    if (!await(std::max<Nanoseconds>(end - realtime::monotonic_now(), 0))) return false;
-  }
-  fetch();
-  return true;
-}
-
-// --- the thread -----------------------------------------------------------------------------------------
-
-void ForwardLink::wait() {
-  const bool own = !settings_.stepped || own_rounds_;
-  const Nanoseconds left =
-      own && !gone_ ? std::clamp<Nanoseconds>(next_round_ - realtime::monotonic_now(), 0, kLook) : kLook;
-  if (left > 0) wire::wait_readable(wake_.number(), left);
-}
-
-void ForwardLink::run() {
-  while (!quit_) {
-    wait();
-    calm(wake_.number());
-    const Nanoseconds now = realtime::monotonic_now();
-    take_wanted(now);
-    judge_loop(now);
-    const bool own = !settings_.stepped || own_rounds_;
-    const bool wanted = round_wanted_.exchange(false);
-    if (gone_ || !(wanted || (own && now >= next_round_))) continue;
-    round();
-    next_round_ = now + settings_.poll;
-    rounds_.fetch_add(1);
-    begin_cycle();
-    changed_.notify_all();
-  }
-}
-
-void ForwardLink::take_wanted(Nanoseconds now) {
-  if (outputs_.fetch()) wanted_ = outputs_.value();
-  const std::uint64_t cycles = cycles_.load(std::memory_order_acquire);
-  if (cycles == cycles_seen_) return;
-  cycles_seen_ = cycles;
-  cycled_at_ = now;
-}
 
 /// At least one answer: each of them has the whole state.
 void ForwardLink::round() {
@@ -209,11 +150,6 @@ void ForwardLink::judge(const EkiState& state) {
   if (cause == Cause::none) cause = program_cause(state);
   if (cause == Cause::none && !(state.moves && state.session == session_)) cause = Cause::moves_ended;
   if (cause != Cause::none) note(cause, detail);
-}
-
-void ForwardLink::judge_loop(Nanoseconds now) {
-  if (phase_ != Phase::active || fault_) return;
-  if (cycles_seen_ > 0 && now - cycled_at_ > settings_.loop_silence) note(Cause::loop_silent);
 }
 
 }  // namespace polyarm::kuka

@@ -1,6 +1,5 @@
 /// How a link in forward mode begins and ends.
 #include <algorithm>
-#include <chrono>
 
 #include "drivers/kuka/forward_link.hpp"
 #include "polyarm/realtime/periodic.hpp"
@@ -15,7 +14,8 @@ constexpr Nanoseconds kEnd = 2'000'000'000;  // for a session to end
 }  // namespace
 
 ForwardLink::ForwardLink(ForwardSettings settings)
-    : EkiLink(settings.host, settings.eki_port, settings.answer),
+    : AskingLink({settings.stepped, settings.poll, settings.loop_silence}, settings.host, settings.eki_port,
+                 settings.answer),
       settings_(std::move(settings)),
       moves_(settings_.frame, kMoveSlots) {}
 
@@ -47,19 +47,6 @@ void ForwardLink::close() {
   stop();
   halt_thread();
   eki_.close();
-}
-
-void ForwardLink::run_thread() {
-  quit_ = false;
-  next_round_ = 0;
-  thread_ = std::thread([this] { run(); });
-}
-
-void ForwardLink::halt_thread() {
-  if (!thread_.joinable()) return;
-  quit_ = true;
-  wake();
-  thread_.join();
 }
 
 /// A session that another connection left, or RSI.
@@ -100,7 +87,7 @@ bool ForwardLink::await_session() {
 }
 
 bool ForwardLink::start() {
-  if (!thread_.joinable()) return refuse(Cause::eki_closed);
+  if (!runs()) return refuse(Cause::eki_closed);
   if (fault_) return false;
   refused_.clear();
   halt_thread();
@@ -119,15 +106,12 @@ bool ForwardLink::start() {
   };
   const bool fine = begin();
   if (fine) {
-    outputs_.fetch();  // what was wanted before counts no more
-    wanted_ = written_ = Outputs();
+    written_ = Outputs();
     ordered_ = end_asked_ = end_heard_ = false;
-    over_ = false;
     percent_ = -1;
-    cycles_ = cycles_seen_ = 0;
     moves_.set_pace(0);
     moves_.begin(report());
-    phase_ = Phase::active;
+    begin_session();
   } else if (eki_.failure().cause == Cause::none) {
     eki_.ask(EkiDo::end);
   }
@@ -139,30 +123,9 @@ bool ForwardLink::start() {
   return fine;
 }
 
+/// One more round than the end needs gives the override back, and reads where the robot stands.
 void ForwardLink::stop() {
-  if (phase_ == Phase::idle) return;
-  own_rounds_ = true;
-  if (!fault_) phase_ = Phase::ending;
-  wake();
-  {
-    std::unique_lock lock(mutex_);
-    const auto end = std::chrono::steady_clock::now() + std::chrono::nanoseconds(settings_.timeout);
-    while (!over_ && !gone_ && std::chrono::steady_clock::now() < end)
-      changed_.wait_for(lock, std::chrono::milliseconds(5));
-  }
-  // One more round gives the override back, and reads where the robot stands.
-  const std::uint64_t rounds = rounds_;
-  for (const auto end = std::chrono::steady_clock::now() + std::chrono::nanoseconds(settings_.timeout);
-       !gone_ && rounds_ < rounds + 2 && std::chrono::steady_clock::now() < end;) {
-    wake();
-    std::unique_lock lock(mutex_);
-    changed_.wait_for(lock, std::chrono::milliseconds(5));
-  }
-  halt_thread();
-  own_rounds_ = false;
-  phase_ = Phase::idle;
-  if (fault_ || gone_) return;
-  run_thread();
+  if (phase_ != Phase::idle) finish(settings_.timeout);
 }
 
 }  // namespace polyarm::kuka

@@ -78,6 +78,15 @@ class SimulatedComponent : public Driver {
     far_->step(0);
     link.exchange(kTimeout);
   }
+  /// The same with one exchange, which reads and then sends: what the loop wants reaches the controller one
+  /// cycle later.
+  template <typename Link>
+  void step_asked_once(double period, Link& link) noexcept {
+    if (!stepped_) return;
+    faults_.step(*far_, period);
+    far_->step(0);
+    link.exchange(kTimeout);
+  }
   std::unique_ptr<FarSide> far_;
   DueOrders faults_;
 

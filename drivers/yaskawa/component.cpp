@@ -18,7 +18,7 @@ using hardware::ReturnType;
 
 namespace {
 
-constexpr double kRadians = std::numbers::pi / 180, kDegrees = 180 / std::numbers::pi;
+constexpr double kDegrees = 180 / std::numbers::pi;
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 // The controller follows its points as they are; these shares of the description's limits are for braking,
 // and for commands that jump.
@@ -54,10 +54,30 @@ constexpr DriverParameter kParameters[] = {
     {"loop_silence_ms", number, "100", "ms without a command of the loop until the robot is braked", 10,
      10000},
     {"connect_timeout", number, "2", "s for each connection and answer", 0.05, 60},
-    {"start_timeout", number, "10", "s for servos and the job INIT_ROS", 0.05, 600},
+    {"start_timeout", number, "10", "s for servos and the job INIT_ROS or POLYARM", 0.05, 600},
+    {"motion", text, "stream",
+     "stream: this computer interpolates and sends points to MotoROS; forward: the controller makes the "
+     "moves, over the Ethernet server alone",
+     -std::numeric_limits<double>::infinity(), std::numeric_limits<double>::infinity(), "stream forward"},
+    {"pulses", text, "",
+     "forward: pulses for a degree of each axis, six numbers; below 0: the axis turns the other way"},
+    {"base_height", number, "0",
+     "forward: m, of the controller's base coordinates above the base of the model; 0: the height of the "
+     "second axis",
+     0, 10},
+    {"tool_number", number, "0", "forward: the tool file at the pendant that has the TCP of the cell", 0, 63},
+    {"heartbeat_byte", number, "2701",
+     "forward: the network inputs that the ladder watches; 2701: 27010 and 27011", 2501, 2956},
+    {"watchdog_ms", number, "600", "forward: ms of the timer in that ladder", 100, 10000},
+    {"poll_ms", number, "20", "forward: ms between two readings at least", 4, 1000},
+    {"answer_ms", number, "900", "forward: ms without an answer until the link counts as lost", 50, 60000},
+    {"line_acceleration", number, "2.5", "forward: m/s² of lines and arcs, for the plan", 0.05, 20},
 };
 constexpr hardware::DriverFacts kFacts = {
-    "system", "robots of Yaskawa with six axes: YRC1000, YRC1000micro, DX200, DX100, FS100 with MotoROS",
+    "system",
+    "robots of Yaskawa with six axes: YRC1000, YRC1000micro, DX200, DX100, FS100 with MotoROS or the "
+    "Ethernet "
+    "server",
     "a controller of our own, byte for byte, with faults on both wires; see docs/driver-yaskawa.md; never on "
     "hardware",
     kParameters};
@@ -68,15 +88,12 @@ constexpr const char* kControllerStates[] = {"servo_on", "play",  "remote", "run
                                              "hold",     "alarm", "error",  "emergency_stop", "alarm_code",
                                              "buffered", "busy",  "behind", "shaped"};
 
-/// Rx, Ry, Rz turn about the fixed axes x, y, z.
-std::array<double, 7> pose_of(const Panel& panel) noexcept {
+std::array<double, 7> shown_pose(const Panel& panel) noexcept {
   std::array<double, 7> out;
   out.fill(kNaN);
   if (!panel.seen) return out;
-  const auto& v = panel.pose.values;
-  const auto angle = [&](std::size_t i) { return v[i] * 1e-4 * kRadians; };
-  const Quaternion q = from_rpy(angle(3), angle(4), angle(5));
-  return {v[0] * 1e-6, v[1] * 1e-6, v[2] * 1e-6, q.x, q.y, q.z, q.w};
+  const auto [p, q] = pose_of(panel.pose);
+  return {p.x, p.y, p.z, q.x, q.y, q.z, q.w};
 }
 
 double bit(std::uint32_t word, int number) noexcept {
@@ -114,54 +131,81 @@ CallbackReturn YaskawaComponent::on_init(const hardware::ComponentContext& conte
   paced_ = false;  // states come at about 40 Hz: no clock for a loop
   hardware::DriverParameters p(kFacts, context);
   settings_.host = p.text("host");
+  settings_.hses_port = static_cast<int>(p.number("hses_port"));
+  settings_.hses = p.boolean("hses");
+  settings_.stepped = stepped_link_;
+  settings_.servo_on = p.boolean("servo_on");
+  settings_.loop_silence = nanoseconds(p.number("loop_silence_ms") / 1000);
+  settings_.timeout = nanoseconds(p.number("connect_timeout"));
+  settings_.start_timeout = nanoseconds(p.number("start_timeout"));
+  constexpr const char* kTakes[] = {"position"};
+  joints_ = wire::driven_joints(context, kTakes, "robots of Yaskawa", p.problems());
+  const bool forward = p.text("motion") == "forward";
+  p.problems().throw_if_errors();
+  robot_ = context.robots.front().name;
+  const auto signals = [&](const char* parameter) {
+    return wire::signal_range(parameter, p.text(parameter), kMostSignals);
+  };
+  settings_.inputs = signals("digital_in");
+  settings_.outputs = signals("digital_out");
+  forward_.reset(), link_.reset();
+  if (forward)
+    make_forward(context, p);
+  else
+    make_stream(context, p);
+  return CallbackReturn::success;
+}
+
+void YaskawaComponent::make_stream(const hardware::ComponentContext& context, hardware::DriverParameters& p) {
   const auto whole = [&](const char* parameter) { return static_cast<int>(p.number(parameter)); };
   settings_.motion_port = whole("motion_port");
   settings_.state_port = whole("state_port");
   settings_.io_port = whole("io_port");
-  settings_.hses = p.boolean("hses");
-  settings_.hses_port = whole("hses_port");
   settings_.group = whole("group");
   settings_.lead_ms = whole("lead_ms");
   settings_.interpolation_ms = whole("interpolation_ms");
-  settings_.stepped = stepped_link_;
-  settings_.servo_on = p.boolean("servo_on");
   settings_.most_behind = p.number("max_behind");
   settings_.silence = nanoseconds(p.number("silence_ms") / 1000);
-  settings_.loop_silence = nanoseconds(p.number("loop_silence_ms") / 1000);
-  settings_.timeout = nanoseconds(p.number("connect_timeout"));
-  settings_.start_timeout = nanoseconds(p.number("start_timeout"));
   steps_ = wire::StepCheck(p.number("max_step"));
-  const double point_ms = p.number("point_ms");
-  constexpr const char* kTakes[] = {"position"};
-  joints_ = wire::driven_joints(context, kTakes, "robots of Yaskawa", p.problems());
+  const double point_ms = p.number("point_ms"), max_speed = p.number("max_speed");
   p.problems().throw_if_errors();
   settings_.cycles = cycles_of_point(period_, point_ms);
   settings_.point_ms = static_cast<int>(std::lround(settings_.cycles * seconds(period_) * 1000));
   if (settings_.lead_ms < 2 * settings_.point_ms)
     throw Error("bad-value", "`lead_ms` is shorter than two points",
                 fmt::format("write `lead_ms: {}`, or a shorter `point_ms`", 2 * settings_.point_ms));
-  robot_ = context.robots.front().name;
-  find_limits(context.robots.front(), p.number("max_speed"));
-  const auto signals = [&](const char* parameter) {
-    return wire::signal_range(parameter, p.text(parameter), kMostSignals);
-  };
-  settings_.inputs = signals("digital_in");
-  settings_.outputs = signals("digital_out");
+  find_limits(context.robots.front(), max_speed);
   const double behind_ms = settings_.lead_ms + kServoLag;
   const auto cycles =
       static_cast<std::size_t>(std::lround(behind_ms * settings_.cycles / settings_.point_ms));
   outputs_.assign(cycles + 1, Outputs());
   link_ = std::make_unique<Link>(settings_);
-  return CallbackReturn::success;
+}
+
+CallbackReturn YaskawaComponent::on_configure() {
+  if (!forward_) return StreamComponent::on_configure();
+  active_ = false;
+  return forward_->open() ? CallbackReturn::success : CallbackReturn::failure;
 }
 
 CallbackReturn YaskawaComponent::on_activate() {
+  if (forward_) {
+    watch_.begin();
+    if (!forward_->start()) return CallbackReturn::failure;
+    active_ = true;
+    return CallbackReturn::success;
+  }
   outputs_.assign(outputs_.size(), Outputs());
   return StreamComponent::on_activate();
 }
 
 /// Outputs that waited for the robot are switched when it stands.
 CallbackReturn YaskawaComponent::on_deactivate() {
+  if (forward_) {
+    active_ = false;
+    forward_->stop();
+    return CallbackReturn::success;
+  }
   const bool well = active_ && link_->cause() == Cause::none;
   const CallbackReturn done = StreamComponent::on_deactivate();
   if (!well || link_->cause() != Cause::none) return done;
@@ -198,7 +242,15 @@ std::vector<hardware::InterfaceDescription> YaskawaComponent::command_interfaces
   return out;
 }
 
-ReturnType YaskawaComponent::read(const hardware::Cycle&, std::span<double> states) noexcept {
+void YaskawaComponent::add_signals(std::uint32_t inputs, std::uint32_t outputs,
+                                   std::span<double> states) const noexcept {
+  std::size_t at = 0;
+  for (int i = 0; i < settings_.inputs.count; ++i) states[at++] = bit(inputs, settings_.inputs.first + i);
+  for (int i = 0; i < settings_.outputs.count; ++i) states[at++] = bit(outputs, settings_.outputs.first + i);
+}
+
+ReturnType YaskawaComponent::read(const hardware::Cycle& cycle, std::span<double> states) noexcept {
+  if (forward_) return read_forward(cycle, states);
   link_->fetch();
   const Sample& sample = link_->sample();
   const MotoStatus& moto = sample.status;
@@ -209,7 +261,7 @@ ReturnType YaskawaComponent::read(const hardware::Cycle&, std::span<double> stat
     states[at++] = sample.dq[j];
     states[at++] = panel.seen ? panel.torque[j] * 1e-4 : kNaN;  // of 0.01 %
   }
-  for (const double value : pose_of(panel)) states[at++] = value;
+  for (const double value : shown_pose(panel)) states[at++] = value;
   const auto flag = [](std::int32_t value) { return value < 0 ? kNaN : value == 1 ? 1.0 : 0.0; };
   const auto shows = [&](bool on) { return !panel.seen ? kNaN : on ? 1.0 : 0.0; };
   for (const double value :
@@ -219,14 +271,12 @@ ReturnType YaskawaComponent::read(const hardware::Cycle&, std::span<double> stat
         static_cast<double>(moto.alarm_code), sample.buffered_ms / 1000.0, static_cast<double>(sample.busy),
         sample.behind, static_cast<double>(sample.shaped)})
     states[at++] = value;
-  for (int i = 0; i < settings_.inputs.count; ++i)
-    states[at++] = bit(panel.inputs, settings_.inputs.first + i);
-  for (int i = 0; i < settings_.outputs.count; ++i)
-    states[at++] = bit(panel.outputs, settings_.outputs.first + i);
+  add_signals(panel.inputs, panel.outputs, states.subspan(at));
   return link_->cause() == Cause::none ? ReturnType::ok : ReturnType::error;
 }
 
 ReturnType YaskawaComponent::write(const hardware::Cycle&, std::span<const double> commands) noexcept {
+  if (forward_) return write_forward(commands);
   if (link_->cause() != Cause::none) return ReturnType::error;
   if (!active_) return ReturnType::ok;
   newest_ = (newest_ + 1) % outputs_.size();
@@ -240,6 +290,10 @@ const hardware::DriverFacts* YaskawaComponent::facts() const noexcept {
 }
 
 std::string YaskawaComponent::summary() const {
+  if (forward_)
+    return fmt::format(
+        "Yaskawa controller at {}{}{}, its own motion over the Ethernet server, a stop at each move",
+        settings_.host, forward_->system().empty() ? "" : ", ", forward_->system());
   if (!link_) return {};
   return fmt::format("Yaskawa controller at {}{}{}, MotoROS group {}, a point every {} ms, {} ms ahead",
                      settings_.host, link_->system().empty() ? "" : ", ", link_->system(), settings_.group,

@@ -5,7 +5,10 @@
 #include <string>
 #include <vector>
 
+#include "drivers/forward/readings.hpp"
+#include "drivers/wire/forward_watch.hpp"
 #include "drivers/wire/stream_component.hpp"
+#include "drivers/yaskawa/forward_link.hpp"
 #include "drivers/yaskawa/link.hpp"
 
 namespace polyarm::yaskawa {
@@ -21,11 +24,21 @@ namespace polyarm::yaskawa {
 /// driver holds that buffer at `lead_ms`. Configuring connects, reads and moves nothing. Activating starts
 /// the job INIT_ROS; the robot stands still, and the first command must be at the measured position.
 /// Deactivating brakes the robot and ends the job.
-class YaskawaComponent : public wire::StreamComponent<Link, Cause> {
+///
+/// In forward mode the commands of joints are not sent: moves come over ForwardMoves, and go to the job
+/// POLYARM over the Ethernet server. MotoROS is not used. Outputs are switched between two moves.
+class YaskawaComponent : public wire::StreamComponent<Link, Cause>, public hardware::TakesMoves {
  public:
+  static constexpr std::size_t kStates = 3;  ///< of each joint, the position first
   hardware::CallbackReturn on_init(const hardware::ComponentContext& context) override;
+  hardware::CallbackReturn on_configure() override;
   hardware::CallbackReturn on_activate() override;
   hardware::CallbackReturn on_deactivate() override;
+  hardware::CallbackReturn on_cleanup() override;
+  bool await_cycle(Nanoseconds timeout) noexcept override;
+  std::string reason() const override;
+  hardware::ForwardMoves* forward_moves(std::uint32_t layout) noexcept override;
+  Cause cause() const noexcept;
   std::vector<hardware::InterfaceDescription> state_interfaces() const override;
   std::vector<hardware::InterfaceDescription> command_interfaces() const override;
   hardware::ReturnType read(const hardware::Cycle& cycle, std::span<double> states) noexcept override;
@@ -35,10 +48,22 @@ class YaskawaComponent : public wire::StreamComponent<Link, Cause> {
   std::string summary() const override;
 
  protected:
+  ForwardLink* forward() noexcept { return forward_.get(); }
+  const std::vector<std::string>& joint_names() const { return joints_; }
   bool stepped_link_ = false;  ///< the controller's clock waits for the loop
 
  private:
   void find_limits(const hardware::RobotInstance& robot, double max_speed);
+  void make_stream(const hardware::ComponentContext& context, hardware::DriverParameters& p);
+  void make_forward(const hardware::ComponentContext& context, hardware::DriverParameters& p);
+  hardware::ReturnType read_forward(const hardware::Cycle& cycle, std::span<double> states) noexcept;
+  hardware::ReturnType write_forward(std::span<const double> commands) noexcept;
+  void add_signals(std::uint32_t inputs, std::uint32_t outputs, std::span<double> states) const noexcept;
+
+  std::unique_ptr<ForwardLink> forward_;  ///< instead of link_, in forward mode
+  std::shared_ptr<const kinematics::Chain> flange_;
+  forward::Readings readings_;
+  wire::ForwardWatch watch_;
 
   LinkSettings settings_;
   std::string robot_;

@@ -1,5 +1,7 @@
 #include "drivers/yaskawa/fake.hpp"
 
+#include <fmt/format.h>
+
 #include <cmath>
 #include <numbers>
 
@@ -15,6 +17,7 @@ namespace {
 
 constexpr double kDegrees = 180 / std::numbers::pi;
 constexpr Nanoseconds kAnswer = 5'000'000'000;
+constexpr Nanoseconds kPatience = 20'000'000;  // for a request, between two cycles
 constexpr std::uint64_t kServices = 12;  // cycles between two exchanges: about 20 a second
 
 MachineOptions machine_of(const hardware::RobotInstance& robot, Nanoseconds period) {
@@ -32,12 +35,13 @@ MachineOptions machine_of(const hardware::RobotInstance& robot, Nanoseconds peri
 }  // namespace
 
 CallbackReturn FakeYaskawa::on_init(const hardware::ComponentContext& context) {
-  if (context.robots.size() != 1) return YaskawaComponent::on_init(context);
+  if (context.robots.size() != 1) return SimulatedComponent::on_init(context);
   const auto given = [&](const char* name) { return wire::given(context, name); };
   FarSideOptions options;
   options.machine = machine_of(context.robots.front(), context.period);
   options.motion = options.state = options.io = options.hses = 0;
   options.state_ms = options.machine.interpolation_ms;
+  if (context.robots.front().tool) options.tool = context.robots.front().tool->tcp;
   if (const auto group = parse_number(given("group"))) options.machine.group = static_cast<int>(*group);
   far_ = std::make_unique<FarSide>(options);
   for (const std::string& text : split_words(given("wires"), " ,;")) {
@@ -51,22 +55,43 @@ CallbackReturn FakeYaskawa::on_init(const hardware::ComponentContext& context) {
   own.parameters["io_port"] = std::to_string(far_->io_port());
   own.parameters["hses_port"] = std::to_string(far_->hses_port());
   own.parameters["interpolation_ms"] = std::to_string(options.machine.interpolation_ms);
-  return YaskawaComponent::on_init(own);
+  const wire::Six& pulses = options.machine.facts.pulses;
+  own.parameters["pulses"] = fmt::format("{}", fmt::join(pulses.begin(), pulses.end(), " "));
+  own.parameters.try_emplace("answer_ms", "20000");
+  own.parameters.try_emplace("watchdog_ms", "5000");
+  return SimulatedComponent::on_init(own);
+}
+
+/// In forward mode starting takes time of the controller, whose clock goes on from request to request.
+CallbackReturn FakeYaskawa::activate_forward() {
+  far_->step_by_requests(true);
+  far_->hold_clock(true);
+  CallbackReturn done;
+  {
+    const wire::Stepper<FarSide> stepper(*far_, kPatience);
+    done = SimulatedComponent::on_activate();
+  }
+  far_->hold_clock(done == CallbackReturn::success);
+  return done;
 }
 
 CallbackReturn FakeYaskawa::on_activate() {
-  const CallbackReturn done = SimulatedComponent::on_activate();
+  const CallbackReturn done = forward() ? activate_forward() : SimulatedComponent::on_activate();
   if (done == CallbackReturn::success) cycles_ = 0;
   return done;
 }
 
 /// The controller moves on when it has every command, and the loop when the driver has its state.
 hardware::ReturnType FakeYaskawa::read(const hardware::Cycle& cycle, std::span<double> states) noexcept {
+  if (forward()) {
+    step_asked_once(seconds(cycle.period), *forward());
+    return SimulatedComponent::read(cycle, states);
+  }
   if (active_) link()->settle(kAnswer);
   step(seconds(cycle.period));
   if (active_) link()->settle(kAnswer);
   if (cycles_++ % kServices == 0) link()->serve_services();
-  return YaskawaComponent::read(cycle, states);
+  return SimulatedComponent::read(cycle, states);
 }
 
 std::string FakeYaskawa::summary() const {

@@ -3,6 +3,7 @@
 #include <array>
 
 #include "drivers/yaskawa/far_services.hpp"
+#include "drivers/yaskawa/inform.hpp"
 
 namespace polyarm::yaskawa {
 
@@ -13,8 +14,11 @@ namespace {
 
 // Added status of refusals.
 constexpr std::uint16_t kMoves = 0x2010, kAlarms = 0x2060, kServoOff = 0x2070, kWrongMode = 0x2080,
-                        kHolds = 0x2020, kNoOperand = 0x1012, kNoJob = 0x4040, kUndefined = 0xA000;
+                        kHolds = 0x2020, kNoOperand = 0x1012, kNoJob = 0x4040, kBusyData = 0x2110,
+                        kUndefined = 0xA000;
 constexpr int kInputBytes = 1, kOutputBytes = 1001;  // numbers of the first bytes of signals
+constexpr int kNetworkBytes = 2701, kNetworkBytesEnd = 2957;
+constexpr std::uint32_t kManyDoubles = 118;
 constexpr std::uint32_t kOn = 1;
 constexpr std::uint16_t kMostVariables = 1000;
 
@@ -60,6 +64,8 @@ std::size_t size_of(std::uint16_t command) {
       return 4;
     case HsesCommand::text:
       return 16;
+    case HsesCommand::place:
+      return 52;
     default:
       return 0;
   }
@@ -97,6 +103,10 @@ void FarHses::serve() {
     if (!request || faults_.power_off || faults_.hses_mute) continue;
     ++requests_;
     auto out = encode(answer(*request));
+    if (faults_.hses_lost > 0) {
+      --faults_.hses_lost;
+      continue;
+    }
     if (faults_.hses_nonsense) std::fill(out.begin(), out.end(), std::uint8_t{0xEE});
     wire::send_datagram(socket_.number(), out, from);
     if (faults_.hses_twice) wire::send_datagram(socket_.number(), out, from);
@@ -149,6 +159,8 @@ HsesReply FarHses::read(const HsesRequest& r, HsesReply reply) {
       return io(r, reply);
     case HsesCommand::io_many:
       return many_io(r, reply);
+    case HsesCommand::double_many:
+      return many_doubles(r, reply);
     case HsesCommand::working_time:
       return with(reply, fixed("2026/01/01 08:00", 28));
     case HsesCommand::system:
@@ -180,7 +192,17 @@ HsesReply FarHses::system(const HsesRequest& r, HsesReply reply) {
   return with(reply, all);
 }
 
+/// Inputs that a network would set; a request may, too.
+HsesReply FarHses::network(const HsesRequest& r, HsesReply reply) {
+  const Variables::Key key{r.command, r.instance};
+  if (is_get(r.service)) return with(reply, variables_.get(key, 1));
+  if (r.payload.empty()) return refuse(reply, kNoOperand);
+  variables_.set(key, {r.payload.front()});
+  return reply;
+}
+
 HsesReply FarHses::io(const HsesRequest& r, HsesReply reply) {
+  if (r.instance >= kNetworkBytes && r.instance < kNetworkBytesEnd) return network(r, reply);
   const bool output = r.instance >= kOutputBytes;
   const int first = 8 * (r.instance - (output ? kOutputBytes : kInputBytes)) + 1;
   if (first < 1 || first + 7 > kMostSignals) return with(reply, HsesResult::no_instance);
@@ -207,17 +229,31 @@ HsesReply FarHses::many_io(const HsesRequest& r, HsesReply reply) {
   return with(reply, out);
 }
 
+HsesReply FarHses::many_doubles(const HsesRequest& r, HsesReply reply) {
+  const std::uint32_t count = Reader(r.payload, ByteOrder::little).u32();
+  const bool reads = r.service == static_cast<std::uint8_t>(HsesService::read_many);
+  if (!reads || count < 1 || count > kManyDoubles || r.instance + count > kMostVariables)
+    return refuse(reply, kNoOperand);
+  std::vector<std::uint8_t> out = words({count}, ByteOrder::little);
+  for (std::uint32_t i = 0; i < count; ++i) {
+    const auto one = variables_.get(
+        {static_cast<std::uint16_t>(HsesCommand::double_integer), static_cast<std::uint16_t>(r.instance + i)},
+        4);
+    out.insert(out.end(), one.begin(), one.end());
+  }
+  return with(reply, out);
+}
+
 HsesReply FarHses::variable(const HsesRequest& r, HsesReply reply) {
   const std::size_t size = size_of(r.command);
   if (size == 0) return with(reply, HsesResult::unknown_command);
   if (r.instance >= kMostVariables) return with(reply, HsesResult::no_instance);
-  const std::pair key{r.command, r.instance};
-  if (is_get(r.service)) {
-    const auto found = values_.find(key);
-    return with(reply, found != values_.end() ? found->second : std::vector<std::uint8_t>(size));
-  }
+  const Variables::Key key{r.command, r.instance};
+  if (is_get(r.service)) return with(reply, variables_.get(key, size));
   if (r.payload.size() != size) return refuse(reply, kNoOperand);
-  values_[key] = r.payload;
+  if (faults_.locked_places && r.command == static_cast<std::uint16_t>(HsesCommand::place))
+    return refuse(reply, kBusyData);
+  variables_.set(key, r.payload);
   return reply;
 }
 
@@ -247,7 +283,7 @@ HsesReply FarHses::act(const HsesRequest& r, HsesReply reply) {
     case HsesCommand::select: {
       const Bytes name = in.take(std::min<std::size_t>(32, in.left()));
       const std::string text(name.begin(), std::find(name.begin(), name.end(), 0));
-      if (text.empty()) return refuse(reply, kNoJob);
+      if (text.empty() || (faults_.no_job && text == kMovesJob)) return refuse(reply, kNoJob);
       return machine_.select_job(text) ? reply : refuse(reply, kMoves);
     }
     default:

@@ -1,13 +1,13 @@
 #pragma once
 /// The services of a simulated controller of Yaskawa: MotoROS and the High-Speed Ethernet Server. One thread;
 /// nothing here waits.
-#include <map>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "drivers/wire/service.hpp"
 #include "drivers/wire/udp.hpp"
+#include "drivers/yaskawa/far_job.hpp"
 #include "drivers/yaskawa/machine.hpp"
 
 namespace polyarm::yaskawa {
@@ -25,6 +25,9 @@ struct FarFaults {
   bool hses_nonsense = false;   ///< what it sends is no datagram of it
   bool hses_refuse = false;     ///< it refuses each request
   bool hses_twice = false;      ///< it answers twice
+  bool no_job = false;          ///< the job POLYARM is not loaded
+  bool locked_places = false;   ///< position variables cannot be written
+  int hses_lost = 0;            ///< answers that get lost
   bool power_off = false;       ///< nothing answers
   bool other_client = false;    ///< another client moves the robot: new ones are closed
   int late = 0;                 ///< states that are kept back, then sent together
@@ -85,7 +88,8 @@ class FarMoto {
 /// The Ethernet server, without files.
 class FarHses {
  public:
-  FarHses(Machine& machine, FarFaults& faults) : machine_(machine), faults_(faults) {}
+  FarHses(Machine& machine, Variables& variables, FarFaults& faults)
+      : machine_(machine), variables_(variables), faults_(faults) {}
   /// Throws Error("no-port").
   void open(const std::string& address, int port);
   int port() const { return port_; }
@@ -100,16 +104,17 @@ class FarHses {
   HsesReply io(const HsesRequest& request, HsesReply reply);
   HsesReply many_io(const HsesRequest& request, HsesReply reply);
   HsesReply variable(const HsesRequest& request, HsesReply reply);
+  HsesReply many_doubles(const HsesRequest& request, HsesReply reply);
+  HsesReply network(const HsesRequest& request, HsesReply reply);
   HsesReply position(const HsesRequest& request, HsesReply reply);
   HsesReply system(const HsesRequest& request, HsesReply reply);
 
   Machine& machine_;
+  Variables& variables_;
   FarFaults& faults_;
   Descriptor socket_;
   int port_ = 0;
   std::uint64_t requests_ = 0;
-  /// Registers and variables, by command and number; bounded by their numbers.
-  std::map<std::pair<std::uint16_t, std::uint16_t>, std::vector<std::uint8_t>> values_;
 };
 
 }  // namespace polyarm::yaskawa

@@ -1,6 +1,9 @@
 #include "drivers/yaskawa/far_side.hpp"
 
 #include <algorithm>
+#include <utility>
+
+#include "drivers/yaskawa/inform.hpp"
 
 namespace polyarm::yaskawa {
 
@@ -44,6 +47,13 @@ constexpr wire::OrderKind kKinds[] = {
     {"hses_nonsense", "what it sends is no answer"},
     {"hses_refuse", "it refuses each request"},
     {"hses_twice", "it answers twice"},
+    {"hses_lost", "so many of its answers get lost (1)"},
+    {"no_job", "the job POLYARM is not loaded"},
+    {"no_ladder", "no ladder hears the heartbeat of forward mode"},
+    {"locked_places", "position variables cannot be written"},
+    {"deaf_hold", "a hold by a command is confirmed, and the job runs on"},
+    {"meddle", "somebody changes the numbers of moves"},
+    {"other_tool", "somebody selects another tool"},
     {"power_off", "the controller loses its power"},
     {"healthy", "ends all of these that are not people's doing"},
 };
@@ -56,19 +66,25 @@ constexpr const char* kAlarmName = "OUT OF RANGE (ABSO DATA)";
 FarSide::FarSide(FarSideOptions options)
     : options_(std::move(options)),
       machine_(options_.machine),
+      job_(machine_, variables_, moves_job()),
       moto_(machine_, faults_, options_.order,
             std::max(1, (options_.state_ms + options_.machine.interpolation_ms / 2) /
                             options_.machine.interpolation_ms)),
-      hses_(machine_, faults_),
+      hses_(machine_, variables_, faults_),
       clock_(0) {
+  machine_.tool = options_.tool;
+  job_.watchdog = options_.watchdog;
   moto_.listen(options_.address, options_.motion, options_.state, options_.io);
   hses_.open(options_.address, options_.hses);
-  clock_.start(nanoseconds(machine_.period()),
-               {[this](std::vector<int>& open) {
-                  moto_.descriptors(open);
-                  open.push_back(hses_.descriptor());
-                },
-                [this] { serve(); }, [] { return false; }, [this] { moto_.cycle(); }});
+  clock_.start(nanoseconds(machine_.period()), {[this](std::vector<int>& open) {
+                                                  moto_.descriptors(open);
+                                                  open.push_back(hses_.descriptor());
+                                                },
+                                                [this] { serve(); }, [] { return false; },
+                                                [this] {
+                                                  job_.step(machine_.period());
+                                                  moto_.cycle();
+                                                }});
 }
 
 std::string FarSide::kinds() {
@@ -129,12 +145,19 @@ void FarSide::order_on_wires(const std::string& kind, int number) {
                                                      {"hses_nonsense", &faults_.hses_nonsense},
                                                      {"hses_refuse", &faults_.hses_refuse},
                                                      {"hses_twice", &faults_.hses_twice},
+                                                     {"no_job", &faults_.no_job},
+                                                     {"no_ladder", &job_.no_ladder},
+                                                     {"locked_places", &faults_.locked_places},
+                                                     {"deaf_hold", &machine_.deaf_hold},
                                                      {"power_off", &faults_.power_off}};
   for (const auto& [name, flag] : kSwitches)
     if (is(name)) *flag = true;
   const auto given = [&](int otherwise) { return number >= 0 ? number : otherwise; };
   if (is("busy")) machine_.busy = given(10);
   if (is("late")) faults_.late = given(10);
+  if (is("hses_lost")) faults_.hses_lost = given(1);
+  if (is("meddle")) variables_.set_number("D080", variables_.number("D080") + 40);
+  if (is("other_tool")) machine_.tool.position.x += 0.1;
   if (is("close_motion")) moto_.drop_motion();
   if (is("close_state")) moto_.drop_states();
   if (is("close_io")) moto_.drop_io();
@@ -150,10 +173,15 @@ void FarSide::make_healthy() {
   machine_.refuse_servo = machine_.stuck_job = machine_.refuse_step = machine_.refuse_speed =
       machine_.other_moves = false;
   machine_.busy = 0;
+  machine_.deaf_hold = job_.no_ladder = false;
+  machine_.tool = options_.tool;
 }
 
-bool FarSide::step(Nanoseconds) {
-  return clock_.step(0, [] { return true; });
+bool FarSide::step(Nanoseconds patience) {
+  return clock_.step(by_requests_ ? patience : 0, [this] {
+    const std::uint64_t now = hses_.requests();
+    return std::exchange(stepped_at_, now) != now;
+  });
 }
 
 std::pair<std::uint64_t, std::uint64_t> FarSide::sent() {

@@ -1,5 +1,6 @@
 #pragma once
 /// A controller of Yaskawa, simulated down to its bytes: for tests, and for users without a robot.
+#include <atomic>
 #include <functional>
 #include <string>
 #include <vector>
@@ -16,6 +17,8 @@ struct FarSideOptions {
   int motion = kMotionPort, state = kStatePort, io = kIoPort, hses = kHsesPort;  ///< 0: any
   ByteOrder order = ByteOrder::little;                                           ///< of MotoROS
   int state_ms = 25;                               ///< between two states of MotoROS
+  double watchdog = 0.6;  ///< s, of the ladder that hears the heartbeat of forward mode
+  Pose tool;              ///< T_flange_tcp of the selected tool
   std::function<void(const std::string&)> report;  ///< what happens, for people; on its thread
 };
 
@@ -43,7 +46,9 @@ class FarSide {
   /// The controller's clock stands still; step() moves it.
   void hold_clock(bool on) { clock_.hold(on); }
   /// One interpolation cycle; nothing is waited for.
-  bool step(Nanoseconds = 0);
+  bool step(Nanoseconds patience = 0);
+  /// While the driver begins or ends, each step waits for a request, at most its patience.
+  void step_by_requests(bool on) { by_requests_ = on; }
   /// States that went out, and the number of the newest one.
   std::pair<std::uint64_t, std::uint64_t> sent();
   std::uint64_t packets() { return sent().first; }
@@ -65,9 +70,13 @@ class FarSide {
   FarSideOptions options_;
   Machine machine_;
   FarFaults faults_;
+  Variables variables_;
+  FarJob job_;
   FarMoto moto_;
   FarHses hses_;
   bool ready_ = false;
+  std::atomic<bool> by_requests_{false};
+  std::uint64_t stepped_at_ = 0;  ///< requests
   wire::FarClock clock_;
 };
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "drivers/wire/udp.hpp"
+#include "drivers/yaskawa/moto.hpp"
 #include "polyarm/realtime/periodic.hpp"
 
 namespace polyarm::yaskawa {
@@ -225,12 +226,90 @@ std::optional<HsesAlarm> Hses::alarm() {
   return out ? out : fail(Cause::hses_bad_data);
 }
 
-std::optional<HsesPosition> Hses::pose() {
-  constexpr int kFirstRobotInBase = 101;
-  const auto payload = ask(HsesCommand::position, kFirstRobotInBase, 0, HsesService::get_all);
+std::optional<HsesPosition> Hses::position(int instance) {
+  const auto payload = ask(HsesCommand::position, instance, 0, HsesService::get_all);
   if (!payload) return std::nullopt;
   const auto out = decode_position(*payload);
   return out ? out : fail(Cause::hses_bad_data);
+}
+
+std::optional<HsesPosition> Hses::pose() {
+  constexpr int kFirstRobotInBase = 101;
+  return position(kFirstRobotInBase);
+}
+
+std::optional<HsesPosition> Hses::pulses() {
+  constexpr int kFirstRobot = 1;
+  return position(kFirstRobot);
+}
+
+std::optional<std::vector<std::int32_t>> Hses::doubles(int first, int count) {
+  const auto number = static_cast<std::uint32_t>(count);
+  const auto payload =
+      ask(HsesCommand::double_many, first, 0, HsesService::read_many, words({number}, ByteOrder::little));
+  if (!payload) return std::nullopt;
+  Reader in(*payload, ByteOrder::little);
+  const bool counted = in.u32() == number;
+  std::vector<std::int32_t> out;
+  for (int i = 0; i < count; ++i) out.push_back(in.i32());
+  if (!in.ok() || !counted) return fail(Cause::hses_bad_data);
+  return out;
+}
+
+bool Hses::set_double(int number, std::int32_t value) {
+  return set(HsesCommand::double_integer, number, 1, HsesService::set_one,
+             words({static_cast<std::uint32_t>(value)}, ByteOrder::little));
+}
+
+bool Hses::set_integer(int number, int value) {
+  Writer out(ByteOrder::little);
+  out.u16(static_cast<std::uint16_t>(value));
+  return set(HsesCommand::integer, number, 1, HsesService::set_one, out.bytes());
+}
+
+bool Hses::set_place(int number, const HsesPosition& place) {
+  return set(HsesCommand::place, number, 0, HsesService::set_all, encode(place));
+}
+
+std::optional<std::uint8_t> Hses::signals(int byte) {
+  const auto payload = ask(HsesCommand::io, byte, 1, HsesService::get_one);
+  if (!payload) return std::nullopt;
+  if (payload->empty()) return fail(Cause::hses_bad_data);
+  return payload->front();
+}
+
+bool Hses::set_signals(int byte, std::uint8_t value) {
+  return set(HsesCommand::io, byte, 1, HsesService::set_one, Bytes(&value, 1));
+}
+
+bool Hses::hold(bool on) {
+  return set(HsesCommand::power, 1, 1, HsesService::set_one, words({on ? 1u : 2u}, ByteOrder::little));
+}
+
+bool Hses::servo(bool on) {
+  return set(HsesCommand::power, 2, 1, HsesService::set_one, words({on ? 1u : 2u}, ByteOrder::little));
+}
+
+bool Hses::run_continuously() {
+  return set(HsesCommand::cycle, 2, 1, HsesService::set_one, words({3}, ByteOrder::little));
+}
+
+bool Hses::select_job(const std::string& name) {
+  Writer out(ByteOrder::little);
+  fixed(out, name, 32);
+  out.u32(0);
+  return set(HsesCommand::select, 1, 0, HsesService::set_all, out.bytes());
+}
+
+bool Hses::start_job() {
+  return set(HsesCommand::start, 1, 1, HsesService::set_one, words({1}, ByteOrder::little));
+}
+
+std::optional<std::string> Hses::job() {
+  const auto payload = ask(HsesCommand::job, 1, 0, HsesService::get_all);
+  if (!payload) return std::nullopt;
+  if (payload->size() < 32) return fail(Cause::hses_bad_data);
+  return text_of(Bytes(*payload).first(32));
 }
 
 std::optional<std::array<std::int32_t, 8>> Hses::torque() {

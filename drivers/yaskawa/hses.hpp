@@ -48,6 +48,7 @@ enum class HsesCommand : std::uint16_t {
   double_integer = 0x7C,
   real = 0x7D,
   text = 0x7E,
+  place = 0x7F,    ///< position variable of a robot
   reset = 0x82,    ///< instance 1: alarms, 2: errors
   power = 0x83,    ///< instance 1: hold, 2: servo, 3: lock of the pendant
   cycle = 0x84,    ///< step, one cycle, continuous
@@ -57,6 +58,7 @@ enum class HsesCommand : std::uint16_t {
   working_time = 0x88,
   system = 0x89,
   io_many = 0x300,
+  double_many = 0x304,
 };
 /// `status` of an answer.
 enum class HsesResult : std::uint8_t {
@@ -131,6 +133,25 @@ class Hses {
   std::optional<HsesPosition> pose();
   /// Of the first robot, 0.01 % of the rated torque of each axis.
   std::optional<std::array<std::int32_t, 8>> torque();
+  /// Of the first robot, pulses of each axis.
+  std::optional<HsesPosition> pulses();
+  /// `count` D variables from `first` on; at most 100.
+  std::optional<std::vector<std::int32_t>> doubles(int first, int count);
+  bool set_double(int number, std::int32_t value);
+  bool set_integer(int number, int value);
+  bool set_place(int number, const HsesPosition& place);
+  /// Eight signals; only network inputs may be written.
+  std::optional<std::uint8_t> signals(int byte);
+  bool set_signals(int byte, std::uint8_t value);
+  bool hold(bool on);
+  bool servo(bool on);
+  /// Jobs run on after their last line was reached, and stop at no other one.
+  bool run_continuously();
+  /// Its first line is the next one.
+  bool select_job(const std::string& name);
+  bool start_job();
+  /// Name of the job that runs, or ran last.
+  std::optional<std::string> job();
   /// Version, model or parameter version (attribute 1, 2, 3); "" if the controller does not say it.
   std::string system(int instance, int attribute);
 
@@ -142,6 +163,10 @@ class Hses {
   const Failure& failure() const { return failure_; }
 
  private:
+  bool set(HsesCommand command, int instance, int attribute, HsesService service, Bytes payload) {
+    return ask(command, instance, attribute, service, payload).has_value();
+  }
+  std::optional<HsesPosition> position(int instance);
   std::nullopt_t fail(Cause cause, int detail = 0, const std::string& text = {});
   std::string host_;
   int port_;

@@ -4,7 +4,9 @@
 #include <cmath>
 #include <numbers>
 
+#include "drivers/forward/move_frame.hpp"
 #include "drivers/wire/six_axes.hpp"
+#include "drivers/yaskawa/inform.hpp"
 #include "polyarm/base/pose.hpp"
 
 namespace polyarm::yaskawa {
@@ -37,7 +39,7 @@ MachineFacts facts_of(const description::RobotModel& model) {
   out.lower = axes.lower;
   out.upper = axes.upper;
   out.velocity = axes.velocity;
-  out.chain = std::make_shared<const kinematics::Chain>(model, axes.flange);
+  out.chain = std::make_shared<const kinematics::Chain>(model, forward::tool_flange(model, axes.flange));
   return out;
 }
 
@@ -89,7 +91,7 @@ void Machine::switch_servo(bool on) {
 
 void Machine::hold(int which, bool on) {
   holds_.at(static_cast<std::size_t>(which - 1)) = on;
-  if (on) stop_all();
+  if (on && !(deaf_hold && which == 3)) stop_all();
 }
 
 void Machine::stop_job() {
@@ -288,6 +290,9 @@ void Machine::move() {
       way = {};
     }
   }
+  if (driven_)
+    for (std::size_t i = 0; i < 6; ++i) way[i] += (*driven_)[i] - command_[i];
+  driven_.reset();
   if (other_moves) way[0] += 40;
   for (std::size_t i = 0; i < 6; ++i) {
     command_[i] += way[i];
@@ -375,7 +380,8 @@ HsesPosition Machine::pose() const {
   if (!options_.facts.chain) return out;
   Six joints = q();
   for (double& one : joints) one /= kDegrees;
-  const Pose flange = options_.facts.chain->forward(joints);
+  Pose flange = options_.facts.chain->forward(joints) * tool;
+  flange.position.z -= base_height(*options_.facts.chain);
   const Vec3 angles = to_rpy(flange.rotation);
   const double values[] = {flange.position.x * 1e6,   flange.position.y * 1e6,   flange.position.z * 1e6,
                            angles.x * kDegrees * 1e4, angles.y * kDegrees * 1e4, angles.z * kDegrees * 1e4};
@@ -399,9 +405,22 @@ std::array<std::int32_t, 8> Machine::error() const {
   return out;
 }
 
+Six Machine::setpoint() const {
+  Six out;
+  for (std::size_t i = 0; i < 6; ++i) out[i] = static_cast<double>(command_[i]) / options_.facts.pulses[i];
+  return out;
+}
+
+bool Machine::still() const {
+  for (std::size_t i = 0; i < 6; ++i)
+    if (feedback_[i] != static_cast<double>(command_[i])) return false;
+  return true;
+}
+
 bool Machine::select_job(const std::string& name) {
-  if (running_) return false;
+  if (running_ || !still()) return false;
   job_ = name;
+  ++selections_;
   return true;
 }
 

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <deque>
 #include <memory>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -12,6 +13,7 @@
 #include "drivers/wire/shaper.hpp"
 #include "drivers/yaskawa/hses.hpp"
 #include "drivers/yaskawa/moto.hpp"
+#include "polyarm/base/pose.hpp"
 #include "polyarm/description/robot_model.hpp"
 #include "polyarm/kinematics/chain.hpp"
 
@@ -88,7 +90,16 @@ class Machine {
   std::array<std::int32_t, 8> error() const;
   const std::string& job() const { return job_; }
   bool select_job(const std::string& name);
+  std::uint64_t selections() const { return selections_; }
   bool start_job();
+  bool runs(const std::string& job) const { return running_ && servo_on_ && job_ == job; }
+
+  // Jobs in INFORM.
+  bool servo_on() const { return servo_on_; }
+  Six setpoint() const;
+  bool still() const;
+  /// To this place in the next cycle.
+  void drive(const Six& degrees) { driven_ = pulses_of(degrees); }
   int cycle_mode = 3;  ///< 1 step, 2 one cycle, 3 continuous
 
   // Signals, numbers from 1.
@@ -97,6 +108,8 @@ class Machine {
   void set_input(int number, bool on);
   void set_output(int number, bool on);
   void wire_output(int output, int input) { wires_.emplace_back(output, input); }
+
+  Pose tool;  ///< T_flange_tcp of the selected tool file
 
   MachineOptions& options() { return options_; }
   Six q() const;
@@ -112,6 +125,7 @@ class Machine {
   bool refuse_step = false;   ///< the next step of a motion is refused
   bool refuse_speed = false;  ///< points are too fast
   bool other_moves = false;   ///< something else moves the robot
+  bool deaf_hold = false;     ///< a hold by a command is confirmed, and the job runs on
   int busy = 0;               ///< points that find the controller busy
 
  private:
@@ -135,12 +149,13 @@ class Machine {
   MachineOptions options_;
   Pulses command_{}, planned_{};
   std::array<double, 6> feedback_{}, speed_{};  // pulses, pulses/s
+  std::optional<Pulses> driven_;
   std::deque<Step> queue_;
   Motion now_, from_, to_;
   bool data_ = false, segment_ = false;
   int calculated_ = 0, leftover_ = 0, queue_time_ = 0;
   double jump_ = 0, fastest_ = 0, since_start_ = 0;
-  std::uint64_t points_ = 0;
+  std::uint64_t points_ = 0, selections_ = 0;
   KeySwitch key_ = KeySwitch::remote;
   bool emergency_ = false, servo_on_ = true, running_ = false, waiting_ = false, error_ = false, pfl_ = false,
        step_error_ = false;

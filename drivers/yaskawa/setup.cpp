@@ -5,6 +5,7 @@
 #include <filesystem>
 
 #include "drivers/yaskawa/hses.hpp"
+#include "drivers/yaskawa/inform.hpp"
 #include "polyarm/base/file.hpp"
 #include "polyarm/realtime/periodic.hpp"
 
@@ -14,25 +15,34 @@ namespace {
 
 constexpr const char* kMakersAddress = "192.168.255.1";
 constexpr int kFirstRobot = 11;
+constexpr int kWatchdog_ms = 600;
 
 class Setup {
  public:
   explicit Setup(SetupOptions& options) : o_(options) {}
   bool run() {
-    if (!o_.folder.empty()) write_job();
-    const bool hses = look_at_hses(), moto = look_at_moto();
-    say_steps();
+    if (!o_.folder.empty()) write_files();
+    const bool hses = look_at_hses(), moto = o_.forward ? hses && look_at_robot() : look_at_moto();
+    if (o_.forward)
+      say_forward_steps();
+    else
+      say_steps();
     o_.say(hses && moto ? "Everything that can be seen from here is ready."
                         : "Not everything is ready: see above. Then run this again.");
     return hses && moto;
   }
 
  private:
-  void write_job() {
+  void write_files() {
     const std::filesystem::path folder(o_.folder);
     std::filesystem::create_directories(folder);
-    write_file_atomically(folder / "INIT_ROS.JBI", init_ros_job());
-    o_.say("  written: " + (folder / "INIT_ROS.JBI").string());
+    const auto write = [&](const char* name, const std::string& text) {
+      write_file_atomically(folder / name, text);
+      o_.say("  written: " + (folder / name).string());
+    };
+    if (!o_.forward) return write("INIT_ROS.JBI", init_ros_job());
+    write("POLYARM.JBI", moves_job());
+    write("LADDER.TXT", ladder_text(kWatchdog_ms));
   }
   bool wrong(Cause cause, int detail = 0, const std::string& text = {}) {
     o_.say("  " + sentence(cause, detail, "the controller at " + o_.host, text));
@@ -99,6 +109,31 @@ class Setup {
     if (why.cause == Cause::not_started || why.cause == Cause::servo_off) return true;
     return wrong(why.cause, why.cause == Cause::alarm ? status->alarm_code : why.detail);
   }
+  /// What `pulses`, `tool_number` and `base_height` are compared with.
+  bool look_at_robot() {
+    Hses hses(o_.host, o_.hses_port, o_.timeout);
+    const auto pulses = hses.open() ? hses.pulses() : std::nullopt;
+    const auto pose = pulses ? hses.pose() : std::nullopt;
+    if (!pose) return wrong(hses.failure().cause, hses.failure().detail, hses.failure().text);
+    const auto& p = pulses->values;
+    const auto& v = pose->values;
+    o_.say(fmt::format("  axes S L U R B T: {} pulses", fmt::join(p.begin(), p.begin() + 6, " ")));
+    o_.say(fmt::format(
+        "  tool {} in base coordinates: x {:.3f}, y {:.3f}, z {:.3f} mm, Rx {:.4f}, Ry {:.4f}, Rz "
+        "{:.4f} degrees",
+        pose->tool, v[0] / 1e3, v[1] / 1e3, v[2] / 1e3, v[3] / 1e4, v[4] / 1e4, v[5] / 1e4));
+    const auto shared = hses.doubles(SharedDoubles::first, SharedDoubles::count);
+    if (!shared) return wrong(hses.failure().cause, hses.failure().detail, hses.failure().text);
+    return true;
+  }
+  void say_forward_steps() {
+    o_.say("At the pendant, in management mode or maintenance mode:");
+    o_.say("  - load the job POLYARM.JBI; it needs P080 to P085, I080 to I087 and D080 to D087 for itself");
+    o_.say("  - write the rungs of LADDER.TXT into the user part of the ladder");
+    o_.say("  - enter the TCP of the cell into a tool file, and select that tool");
+    o_.say("  - option function: Ethernet server on; a fixed address in the network of this computer");
+    o_.say("  - allow command remote; turn the key to REMOTE for motion");
+  }
   void say_steps() {
     o_.say("At the pendant, in management mode or maintenance mode:");
     o_.say("  - load MotoROS of ROS-Industrial for this controller, and allow MotoPlus applications");
@@ -117,6 +152,25 @@ std::string init_ros_job() {
          "12:00\r\n///ATTR SC,RW\r\n///GROUP1 RB1\r\nNOP\r\n'POLYARM WAITS HERE FOR MOTOROS\r\nDOUT OT#(889) "
          "OFF\r\nDOUT OT#(890) OFF\r\nTIMER T=0.05\r\nDOUT OT#(889) ON\r\nWAIT OT#(890)=ON\r\nDOUT OT#(889) "
          "OFF\r\nDOUT OT#(890) OFF\r\nEND\r\n";
+}
+
+std::string ladder_text(int watchdog_ms) {
+  return fmt::format(
+      "The heartbeat of forward mode, for the user part of the ladder (concurrent I/O).\n"
+      "\n"
+      "The driver writes two network inputs: {0}1 is on while a session of moves is open, and {0}0 changes\n"
+      "some ten times a second. The ladder holds the robot when {0}0 does not change any more. Before each\n"
+      "session the driver tries this: without these rungs it starts nothing.\n"
+      "\n"
+      "  rung 1: timer A, {1:.1f} s, runs while {0}1 is on and {0}0 is on\n"
+      "  rung 2: timer B, {1:.1f} s, runs while {0}1 is on and {0}0 is off\n"
+      "  rung 3: timer A or timer B has run out: the system input EXTERNAL HOLD holds the robot;\n"
+      "          whatever else gives that input stays as it is\n"
+      "\n"
+      "The numbers of the relays and of that system input are those of your controller: its manual of the\n"
+      "concurrent I/O has them. On controllers before the YRC1000 network inputs begin elsewhere (often at\n"
+      "25010): write their number here and in `heartbeat_byte`, without the last digit.\n",
+      kHeartbeatByte, watchdog_ms / 1000.0);
 }
 
 bool set_up(SetupOptions options) {

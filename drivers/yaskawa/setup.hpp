@@ -12,7 +12,8 @@ struct SetupOptions {
   std::string host;  ///< empty: the maker's address
   int motion_port = kMotionPort, state_port = kStatePort, io_port = kIoPort, hses_port = 10040;
   int group = 0;
-  std::string folder;  ///< where our job INIT_ROS is written; empty: nowhere
+  bool forward = false;  ///< forward mode: the Ethernet server alone
+  std::string folder;    ///< where our files are written; empty: nowhere
   Nanoseconds timeout = 3'000'000'000;
   std::function<void(const std::string&)> say;  ///< a line for a person
 };
@@ -22,5 +23,7 @@ bool set_up(SetupOptions options);
 
 /// The job that MotoROS starts, for a controller with one robot (not DX100).
 std::string init_ros_job();
+/// What the ladder has to do with the heartbeat of forward mode, for a person who writes its rungs.
+std::string ladder_text(int watchdog_ms);
 
 }  // namespace polyarm::yaskawa

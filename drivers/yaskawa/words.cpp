@@ -47,8 +47,19 @@ const char* name(Cause cause) {
                                     "signal-refused",
                                     "too-fast",
                                     "loop-silent",
-                                    "jump"};
-  static_assert(std::size(kNames) == static_cast<std::size_t>(Cause::jump) + 1);
+                                    "jump",
+                                    "no-watchdog",
+                                    "job-runs",
+                                    "job-version",
+                                    "job-stopped",
+                                    "tool-number",
+                                    "tool-differs",
+                                    "moves-changed",
+                                    "hold-ignored",
+                                    "halt-unconfirmed",
+                                    "off-target",
+                                    "joint-commands"};
+  static_assert(std::size(kNames) == static_cast<std::size_t>(Cause::joint_commands) + 1);
   return kNames[static_cast<std::size_t>(cause)];
 }
 
@@ -215,7 +226,8 @@ std::string state_sentence(Cause cause, int detail, const std::string& where, co
       return where +
              " is in play mode without remote: turn the key of the pendant to REMOTE, then recover here";
     case Cause::servo_off:
-      return "the servos of " + where + " are off: look why (a guard, an enabling switch), then recover here";
+      return "the servos of " + where +
+             " are off: look why (an emergency stop, a guard, an enabling switch), then recover here";
     case Cause::servo_refused:
       return "the servos of " + where +
              " do not switch on: look at the pendant for the message, check guards and safety signals";
@@ -289,12 +301,56 @@ std::string motion_sentence(Cause cause, int detail, const std::string& where) {
   }
 }
 
+/// The job POLYARM, its variables and moves.
+std::string forward_sentence(Cause cause, int detail, const std::string& where, const std::string& text) {
+  switch (cause) {
+    case Cause::no_watchdog:
+      return where +
+             " does not hold the robot when the heartbeat of this computer stops, so nothing is started: "
+             "write the rungs of `polyarm setup yaskawa --write` into its ladder, check `heartbeat_byte`";
+    case Cause::job_runs:
+      return where + " runs the job " + (text.empty() ? "of somebody else" : text) +
+             ": end it at the pendant, then activate again";
+    case Cause::job_version:
+      return "the job POLYARM of " + where + " has version " + std::to_string(detail) +
+             ", not that of this program: load the one of `polyarm setup yaskawa --write`";
+    case Cause::job_stopped:
+      return "the job POLYARM of " + where +
+             " was stopped there: look why, then recover here to start it again";
+    case Cause::tool_number:
+      return where + " has tool " + std::to_string(detail) + " selected, and " + text +
+             " is wanted: select that one at the pendant, or change `tool_number`";
+    case Cause::tool_differs:
+      return where + " has its TCP " + std::to_string(detail) + " mm away from that of this cell (" + text +
+             "): check `pulses`, `base_height`, the model, and the tool file at the pendant";
+    case Cause::moves_changed:
+      return "somebody else changes the variables of the job POLYARM of " + where +
+             " (D080 to D087): end the job or client that does it, then recover here";
+    case Cause::hold_ignored:
+      return where +
+             " does not stop its job when it is held; the heartbeat was ended, which stops the robot: look "
+             "at "
+             "the pendant, then recover here";
+    case Cause::halt_unconfirmed:
+      return "the robot of " + where +
+             " did not come to rest after a hold: look at the pendant, then recover here";
+    case Cause::off_target:
+      return "the robot of " + where + " stands, and joint " + std::to_string(detail + 1) +
+             " is not where its move ends: check `pulses`, and what the pendant says";
+    case Cause::joint_commands:
+      return wire::joint_commands_sentence(detail, where);
+    default:
+      return {};
+  }
+}
+
 }  // namespace
 
 std::string sentence(Cause cause, int detail, const std::string& where, const std::string& text) {
   if (cause == Cause::none) return {};
   if (std::string out = wire_sentence(cause, detail, where, text); !out.empty()) return out;
   if (std::string out = state_sentence(cause, detail, where, text); !out.empty()) return out;
+  if (std::string out = forward_sentence(cause, detail, where, text); !out.empty()) return out;
   return motion_sentence(cause, detail, where);
 }
 

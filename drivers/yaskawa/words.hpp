@@ -46,6 +46,18 @@ enum class Cause : std::uint8_t {
   too_fast,        ///< the loop asks for more than the limits; detail: axis * 3 + LimitKind
   loop_silent,
   jump,  ///< detail: joint
+  // of forward mode
+  no_watchdog,       ///< the ladder does not hold the robot when the heartbeat stops
+  job_runs,          ///< text: name of another job
+  job_version,       ///< detail: of the job POLYARM
+  job_stopped,       ///< the job POLYARM does not run
+  tool_number,       ///< detail: that is selected; text: that is wanted
+  tool_differs,      ///< detail: mm; text: where the controller has its TCP
+  moves_changed,     ///< somebody else writes the variables of the job
+  hold_ignored,      ///< a hold does not stop the job
+  halt_unconfirmed,  ///< the moves were not forgotten in time
+  off_target,        ///< detail: joint
+  joint_commands,    ///< detail: joint
 };
 const char* name(Cause cause);
 

@@ -76,6 +76,52 @@ TEST(YaskawaSetup, FindsTheControllerAndWritesItsJob) {
   EXPECT_EQ(far.wait().exit_code, 0);
 }
 
+// --- forward mode ---
+
+TEST(YaskawaForwardExample, PlacesByTheControllersOwnMotionAndRepeatsItself) {
+  const ExampleCopy copy("yaskawa_forward");
+  const std::vector<std::string> line{"run", copy.path(), "--fast", "--json", "--no-socket"};
+  const Finished first = run_command(line);
+  ASSERT_EQ(first.exit_code, 0) << first.output;
+  EXPECT_EQ(first.result()["result"], "completed");
+  EXPECT_NE(first.output.find("its own motion over the Ethernet server, a stop at each move"),
+            std::string::npos)
+      << first.output;
+  EXPECT_EQ(run_command(line).result()["trace_hash"], first.result()["trace_hash"]);
+}
+
+TEST(YaskawaForwardExample, APersonHoldsAndResumesIt) {
+  const ExampleCopy copy("yaskawa_forward");
+  const Finished ran = run_command({"test", copy.path()});
+  EXPECT_EQ(ran.exit_code, 0) << ran.output;
+}
+
+TEST(YaskawaForwardExample, TheSameProgramStreamsWithoutTheKey) {
+  const ExampleCopy copy("yaskawa_forward");
+  std::string text = read_file(copy.file("cell.yaml"));
+  ASSERT_NE(text.find("motion: forward"), std::string::npos);
+  text.replace(text.find("motion: forward"), 15, "motion: stream");
+  write_file_atomically(copy.file("cell.yaml"), text);
+  const Finished ran = run_command({"run", copy.path(), "--fast", "--json", "--no-socket"});
+  EXPECT_EQ(ran.exit_code, 0) << ran.output;
+}
+
+TEST(YaskawaSetup, OfForwardModeNeedsNoMotoRosAndWritesJobAndLadder) {
+  Command far(far_side({"--tool", "suction_cup"}));
+  const std::string line = far.line_with("MotoROS with motion");
+  const ExampleCopy copy("yaskawa_forward");
+  const std::string folder = copy.file("files").string();
+  const Finished done =
+      run_command({"setup", "yaskawa", "--host", "127.0.0.1", "--hses-port",
+                   number_behind(line, "Ethernet server at"), "--motion", "forward", "--write", folder});
+  EXPECT_EQ(done.exit_code, 0) << done.output;
+  EXPECT_NE(done.output.find("axes S L U R B T: 0 0 0 0 -54000 0 pulses"), std::string::npos) << done.output;
+  EXPECT_NE(read_file(folder + "/POLYARM.JBI").find("MOVL P083 V=I084"), std::string::npos);
+  EXPECT_NE(read_file(folder + "/LADDER.TXT").find("EXTERNAL HOLD"), std::string::npos);
+  far.signal(SIGTERM);
+  EXPECT_EQ(far.wait().exit_code, 0);
+}
+
 TEST(YaskawaSetup, SaysWhatIsNotReady) {
   Command far(far_side({"--order", "teach"}));
   const Finished wrong = run_command(setup(far.line_with("MotoROS with motion")));

@@ -40,7 +40,8 @@ TEST(YaskawaComponent, TheFlangeIsWhereTheCataloguesKinematicsHaveIt) {
     if (yaskawa_model().links[i].name == "flange") tip = static_cast<int>(i);
   const Pose flange = kinematics::Chain(yaskawa_model(), tip).forward(rig.q());
   EXPECT_NEAR(rig.state("flange_pose/position.x"), flange.position.x, 1e-6) << "micrometres";
-  EXPECT_NEAR(rig.state("flange_pose/position.z"), flange.position.z, 1e-6);
+  EXPECT_NEAR(rig.state("flange_pose/position.z"), flange.position.z - 0.33, 1e-6)
+      << "base coordinates begin at the height of the second axis";
   const Quaternion q{rig.state("flange_pose/orientation.x"), rig.state("flange_pose/orientation.y"),
                      rig.state("flange_pose/orientation.z"), rig.state("flange_pose/orientation.w")};
   EXPECT_LT(angle_between(q, flange.rotation), 1e-5);

@@ -261,7 +261,7 @@ TEST(YaskawaFaults, ClocksThatDifferLeaveTheBufferAsItIs) {
 }
 
 TEST(YaskawaWords, EveryCauseSaysWhatToDo) {
-  expect_words_for_every_cause(Cause::jump, yaskawa::sentence, yaskawa::name, 35);
+  expect_words_for_every_cause(Cause::joint_commands, yaskawa::sentence, yaskawa::name, 46);
 }
 
 TEST(YaskawaWords, EverySubcodeOfMotoRosHasACause) {
