@@ -54,11 +54,7 @@ CallbackReturn FakeAbb::on_init(const hardware::ComponentContext& context) {
     for (const std::string& name : split_words(given(list), " ,;"))
       options.machine.signals[name.substr(name.rfind('/') + 1)] = false;
   far_ = std::make_unique<FarSide>(options);
-  for (const std::string& text : split_words(given("wires"), " ,;")) {
-    const auto [output, input] = wire_of(text);
-    far_->with([&](Machine& machine) { machine.wire_output(output, input); });
-  }
-  faults_ = wire::DueOrders(FarSide::timed_orders(given("faults")));
+  take_parameters(context, wire_of);
   hardware::ComponentContext own = wire::beside_its_controller(context);
   own.parameters["rws_port"] = std::to_string(far_->rws_port());
   own.parameters["egm_port"] = "0";
@@ -75,15 +71,9 @@ CallbackReturn FakeAbb::on_configure() {
   return done;
 }
 
-CallbackReturn FakeAbb::on_activate() {
-  const CallbackReturn done = SimulatedComponent::on_activate();
-  if (done == CallbackReturn::success) cycles_ = 0;
-  return done;
-}
-
 hardware::ReturnType FakeAbb::read(const hardware::Cycle& cycle, std::span<double> states) noexcept {
   step(seconds(cycle.period));
-  if (cycles_++ % kServices == 0) link()->serve_services();
+  if (is_due(kServices)) link()->serve_services();
   return AbbComponent::read(cycle, states);
 }
 

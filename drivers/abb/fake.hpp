@@ -24,12 +24,8 @@ class FakeAbb : public wire::SimulatedComponent<AbbComponent, FarSide> {
   }
   hardware::CallbackReturn on_init(const hardware::ComponentContext& context) override;
   hardware::CallbackReturn on_configure() override;
-  hardware::CallbackReturn on_activate() override;
   hardware::ReturnType read(const hardware::Cycle& cycle, std::span<double> states) noexcept override;
   std::string summary() const override;
-
- private:
-  std::uint64_t cycles_ = 0;
 };
 
 }  // namespace polyarm::abb

@@ -1,50 +1,27 @@
 /// EGM of the simulated controller.
-#include <arpa/inet.h>
-
 #include <algorithm>
 #include <cmath>
 
 #include "drivers/abb/far_services.hpp"
 #include "polyarm/base/bounds.hpp"
-#include "polyarm/base/error.hpp"
 
 namespace polyarm::abb {
 
 namespace {
 constexpr int kLastPackets = 3;  // after EGM ended
-constexpr const char* kOtherHost = "127.0.0.2";
 }  // namespace
 
-void FarEgm::open(const std::string& address) {
-  std::string why;
-  socket_ = wire::bind_udp(address, 0, why);
-  stranger_ = wire::bind_udp(address.starts_with("127.") ? kOtherHost : address, 0, why);
-  if (!socket_ || !stranger_) throw Error("no-port", why, "choose another address");
-}
-
-void FarEgm::send_to(const std::string& address, int port) {
-  in_addr host{};
-  if (::inet_pton(AF_INET, address.c_str(), &host) != 1 || port < 1 || port > 65535)
-    throw Error("bad-value", "'" + address + ":" + std::to_string(port) + "' is no address for EGM",
-                "write the address of the computer with the driver, for example 127.0.0.1:6510");
-  target_ = {host.s_addr, htons(static_cast<std::uint16_t>(port))};
-}
-
 void FarEgm::serve() {
-  std::array<std::uint8_t, bounds::kEgmDatagramBytes> bytes;
-  wire::UdpAddress from;
-  for (int i = 0; i < 256; ++i) {
-    const wire::Received got = wire::receive_datagram(socket_.number(), bytes, &from);
-    if (got.got != wire::Got::bytes) return;
-    if (faults_.power_off || !(from == target_)) continue;
-    const auto message = decode_sensor(Bytes(bytes).first(got.count));
-    if (!message) continue;
+  socket_.receive<bounds::kEgmDatagramBytes>([this](Bytes bytes) {
+    if (faults_.power_off) return;
+    const auto message = decode_sensor(bytes);
+    if (!message) return;
     unanswered_ = std::max(0, unanswered_ - 1);  // the clock waits for an answer that is not taken, too
-    if (faults_.deaf) continue;
+    if (faults_.deaf) return;
     ++messages_;
     answers_ = true;
     machine_.take(*message);
-  }
+  });
 }
 
 void FarEgm::begin_session() {
@@ -55,7 +32,7 @@ void FarEgm::begin_session() {
   sequence_ = 0;
   began_ = machine_.time();
   last_packets_ = kLastPackets;
-  kept_.clear();
+  socket_.clear();
 }
 
 void FarEgm::cycle() {
@@ -96,14 +73,6 @@ EgmRobot FarEgm::packet() const {
   return out;
 }
 
-void FarEgm::send_bytes(const std::vector<std::uint8_t>& bytes) {
-  if (faults_.stranger) return void(wire::send_datagram(stranger_.number(), bytes, target_));
-  wire::send_datagram(socket_.number(), bytes, target_);
-  ++packets_;
-  sent_sequence_ = sequence_ - 1;
-  ++unanswered_;
-}
-
 void FarEgm::send() {
   if (std::exchange(faults_.restarted, false)) {
     sequence_ = 0;
@@ -114,21 +83,10 @@ void FarEgm::send() {
   if (faults_.silent || faults_.power_off) return;
   const bool broken = std::exchange(faults_.garbage, false);
   if (broken) bytes.resize(bytes.size() / 2);
-  if (faults_.late > 0 || faults_.reorder > 0) {
-    kept_.push_back(bytes);
-    const bool late = faults_.late > 0;
-    int& left = late ? faults_.late : faults_.reorder;
-    if (--left > 0 && (late || kept_.size() < 2)) return;
-    if (!late) std::reverse(kept_.begin(), kept_.end());
-    for (const auto& one : kept_) send_bytes(one);
-    unanswered_ = 1;  // an old packet behind a newer one gets no answer
-    return kept_.clear();
-  }
-  for (const auto& one : kept_) send_bytes(one);
-  kept_.clear();
-  send_bytes(bytes);
-  if (broken) --unanswered_;  // nobody answers it
-  if (faults_.duplicate > 0 && faults_.duplicate-- > 0) wire::send_datagram(socket_.number(), bytes, target_);
+  const auto [went, packets] = socket_.send(std::move(bytes), faults_);
+  packets_ += static_cast<std::uint64_t>(packets);
+  if (packets > 0) sent_sequence_ = sequence_ - 1;
+  unanswered_ = wire::unanswered(went, unanswered_, packets, broken);
 }
 
 }  // namespace polyarm::abb

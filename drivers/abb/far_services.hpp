@@ -6,20 +6,16 @@
 #include <vector>
 
 #include "drivers/abb/machine.hpp"
+#include "drivers/wire/far_packets.hpp"
 #include "drivers/wire/http.hpp"
 #include "drivers/wire/tls.hpp"
-#include "drivers/wire/udp.hpp"
 #include "polyarm/base/bounds.hpp"
 
 namespace polyarm::abb {
 
-/// What goes wrong on purpose.
-struct FarFaults {
-  bool silent = false;      ///< EGM sends nothing
-  bool deaf = false;        ///< EGM takes no messages
-  bool garbage = false;     ///< the next packet of EGM is broken
+/// What goes wrong on purpose; those of packets are EGM's.
+struct FarFaults : wire::PacketFaults {
   bool restarted = false;   ///< the sequence of the packets begins anew
-  bool stranger = false;    ///< packets come from another port
   bool old = false;         ///< EGM before version 1.1
   bool seven = false;       ///< the robot has seven joints
   bool egm_error = false;   ///< EGM reports an error
@@ -33,20 +29,18 @@ struct FarFaults {
   bool no_option = false;   ///< Externally Guided Motion is not installed
   bool refuse_start = false, refuse_motors = false;
   bool power_off = false;  ///< nothing answers
-  int duplicate = 0;       ///< packets that are sent twice
-  int reorder = 0;         ///< packets that are sent after the next one
-  int late = 0;            ///< packets that are kept back, then sent together
 };
 
 /// EGM: the controller sends to a computer, which answers.
 class FarEgm {
  public:
   FarEgm(Machine& machine, FarFaults& faults) : machine_(machine), faults_(faults) {}
-  /// Throws Error("no-port") if a socket cannot be opened, Error("bad-value") for an address.
-  void open(const std::string& address);
-  void send_to(const std::string& address, int port);
-  int descriptor() const { return socket_.number(); }
-  int port() const { return wire::local_port(socket_.number()); }
+  /// Throws Error("no-port").
+  void open(const std::string& address) { socket_.open(address); }
+  /// Throws Error("bad-value").
+  void send_to(const std::string& address, int port) { socket_.send_to(address, port, "EGM", 6510); }
+  int descriptor() const { return socket_.descriptor(); }
+  int port() const { return wire::local_port(socket_.descriptor()); }
   void serve();
   /// One cycle: the machine moves, and a packet goes out.
   void cycle();
@@ -61,13 +55,11 @@ class FarEgm {
  private:
   EgmRobot packet() const;
   void send();
-  void send_bytes(const std::vector<std::uint8_t>& bytes);
   void begin_session();
 
   Machine& machine_;
   FarFaults& faults_;
-  Descriptor socket_, stranger_;
-  wire::UdpAddress target_;
+  wire::FarSocket socket_;
   std::uint32_t sequence_ = 0, sent_sequence_ = 0;
   std::uint64_t packets_ = 0, messages_ = 0;
   bool sending_ = false, answers_ = false;
@@ -76,7 +68,6 @@ class FarEgm {
   std::uint64_t starts_ = 0;  ///< of the program, at the begin of this session
   int last_packets_ = 0;      ///< that still go out after EGM ended
   double began_ = 0;
-  std::vector<std::vector<std::uint8_t>> kept_;  ///< packets that a fault keeps back
 };
 
 /// Robot Web Services, version 1 or 2.

@@ -1,7 +1,5 @@
 #include "drivers/abb/far_side.hpp"
 
-#include "polyarm/base/error.hpp"
-
 namespace polyarm::abb {
 
 namespace {
@@ -80,89 +78,59 @@ void FarSide::send_egm_to(const std::string& host, int port) {
   egm_.send_to(host, port);
 }
 
-std::string FarSide::kinds() {
-  return wire::order_list(kKinds);
+std::span<const wire::OrderKind> FarSide::order_kinds() {
+  return kKinds;
 }
 
-std::vector<wire::TimedOrder> FarSide::timed_orders(const std::string& text) {
-  return wire::parse_timed_orders(text, "e_stop@3", kKinds);
+void FarSide::order_by_hand(const wire::Order& order) {
+  if (order.is("e_stop") || order.is("release")) machine_.emergency(order.is("e_stop"));
+  if (order.is("guard_open") || order.is("guard_closed")) machine_.guard(order.is("guard_open"));
+  if (order.is("manual")) machine_.set_mode(Machine::Mode::manual);
+  if (order.is("manual_full")) machine_.set_mode(Machine::Mode::manual_full);
+  if (order.is("auto")) machine_.set_mode(Machine::Mode::automatic);
+  if (order.is("motors_off")) machine_.switch_motors(false);
+  if (order.is("stop")) machine_.stop_program("stop at the FlexPendant");
+  if (order.is("egm_stop")) machine_.stop_egm();
+  if (order.is("collision")) machine_.collide();
+  if (order.is("range")) machine_.stop_with(50027, "Joint Out of Range");
+  if (order.is("singular")) machine_.stop_with(50026, "Close to singularity");
+  if (order.is("speed")) machine_.stop_with(50024, "Joint speed error");
+  if (order.is("overload")) machine_.stop_with(34316, "Motor current error");
+  if (order.is("event")) machine_.stop_with(order.number_or(50063), "ordered");
+  if (order.is("system_failure")) machine_.fail();
+  if (order.is("restart")) machine_.restart();
 }
 
-void FarSide::report(const std::string& text) const {
-  if (options_.report) options_.report(text);
-}
-
-void FarSide::order(const std::string& fault) {
-  const auto [kind, given] = wire::parse_order(fault, kKinds);
-  const auto lock = clock_.lock();
-  order_by_hand(kind, given >= 0 ? given : 50063);
-  order_on_wires(kind, given >= 0 ? given : 10);
-  report("ordered: " + fault);
-}
-
-void FarSide::order_by_hand(const std::string& kind, int number) {
-  const auto is = [&](const char* name) { return kind == name; };
-  if (is("e_stop") || is("release")) machine_.emergency(is("e_stop"));
-  if (is("guard_open") || is("guard_closed")) machine_.guard(is("guard_open"));
-  if (is("manual")) machine_.set_mode(Machine::Mode::manual);
-  if (is("manual_full")) machine_.set_mode(Machine::Mode::manual_full);
-  if (is("auto")) machine_.set_mode(Machine::Mode::automatic);
-  if (is("motors_off")) machine_.switch_motors(false);
-  if (is("stop")) machine_.stop_program("stop at the FlexPendant");
-  if (is("egm_stop")) machine_.stop_egm();
-  if (is("collision")) machine_.collide();
-  if (is("range")) machine_.stop_with(50027, "Joint Out of Range");
-  if (is("singular")) machine_.stop_with(50026, "Close to singularity");
-  if (is("speed")) machine_.stop_with(50024, "Joint speed error");
-  if (is("overload")) machine_.stop_with(34316, "Motor current error");
-  if (is("event")) machine_.stop_with(number, "ordered");
-  if (is("system_failure")) machine_.fail();
-  if (is("restart")) machine_.restart();
-}
-
-void FarSide::order_on_wires(const std::string& kind, int number) {
-  const auto is = [&](const char* name) { return kind == name; };
-  const std::pair<const char*, bool*> kSwitches[] = {{"silent", &faults_.silent},
-                                                     {"deaf", &faults_.deaf},
-                                                     {"garbage", &faults_.garbage},
-                                                     {"again", &faults_.restarted},
-                                                     {"stranger", &faults_.stranger},
-                                                     {"old_egm", &faults_.old},
-                                                     {"seven", &faults_.seven},
-                                                     {"slow", &faults_.slow},
-                                                     {"mute", &faults_.mute},
-                                                     {"busy", &faults_.busy},
-                                                     {"login", &faults_.login},
-                                                     {"forbidden", &faults_.forbidden},
-                                                     {"mastership", &faults_.mastership},
-                                                     {"nonsense", &faults_.nonsense},
-                                                     {"no_option", &faults_.no_option},
-                                                     {"egm_error", &faults_.egm_error},
-                                                     {"refuse_start", &faults_.refuse_start},
-                                                     {"refuse_motors", &faults_.refuse_motors},
-                                                     {"power_off", &faults_.power_off},
-                                                     {"locked_signals", &machine_.locked_signals}};
-  for (const auto& [name, flag] : kSwitches)
-    if (is(name)) *flag = true;
-  if (is("late")) faults_.late = number;
-  if (is("duplicate")) faults_.duplicate = number;
-  if (is("reorder")) faults_.reorder = number;
-  if (is("close_rws")) rws_.drop();
-  if (is("old_software")) machine_.options().software = "6.05.00.00";
-  if (is("no_module")) machine_.options().modules.clear();
-  if (is("power_off")) {
+void FarSide::order_on_wires(const wire::Order& order) {
+  faults_.take(order);
+  order.switch_on({{"again", &faults_.restarted},
+                   {"old_egm", &faults_.old},
+                   {"seven", &faults_.seven},
+                   {"slow", &faults_.slow},
+                   {"mute", &faults_.mute},
+                   {"busy", &faults_.busy},
+                   {"login", &faults_.login},
+                   {"forbidden", &faults_.forbidden},
+                   {"mastership", &faults_.mastership},
+                   {"nonsense", &faults_.nonsense},
+                   {"no_option", &faults_.no_option},
+                   {"egm_error", &faults_.egm_error},
+                   {"refuse_start", &faults_.refuse_start},
+                   {"refuse_motors", &faults_.refuse_motors},
+                   {"power_off", &faults_.power_off},
+                   {"locked_signals", &machine_.locked_signals}});
+  if (order.is("close_rws")) rws_.drop();
+  if (order.is("old_software")) machine_.options().software = "6.05.00.00";
+  if (order.is("no_module")) machine_.options().modules.clear();
+  if (order.is("power_off")) {
     machine_.switch_motors(false);
     rws_.drop();
   }
-  if (!is("healthy")) return;
+  if (!order.is("healthy")) return;
   faults_ = {};
   machine_.locked_signals = false;
   machine_.options().software = options_.machine.software;
   machine_.options().modules = options_.machine.modules;
-}
-
-void FarSide::hold_clock(bool on) {
-  clock_.hold(on);
 }
 
 bool FarSide::step(Nanoseconds patience) {
@@ -170,28 +138,10 @@ bool FarSide::step(Nanoseconds patience) {
       patience, [this] { return faults_.silent || faults_.power_off || faults_.stranger || !egm_.waits(); });
 }
 
-std::pair<std::uint64_t, std::uint32_t> FarSide::sent() {
-  const auto lock = clock_.lock();
-  return {egm_.packets(), egm_.sent_sequence()};
-}
-
-std::uint64_t FarSide::messages() {
-  const auto lock = clock_.lock();
-  return egm_.messages();
-}
-
-std::uint64_t FarSide::requests() {
-  const auto lock = clock_.lock();
-  return rws_.requests();
-}
-
 void FarSide::serve() {
   egm_.serve();
   rws_.serve();
-  const bool runs = machine_.program_runs();
-  if (runs == ran_) return;
-  ran_ = runs;
-  report(runs ? "the program runs" : "the program ended");
+  report_change(machine_.program_runs(), "the program runs", "the program ended");
 }
 
 }  // namespace polyarm::abb

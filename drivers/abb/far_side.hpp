@@ -5,8 +5,7 @@
 #include <vector>
 
 #include "drivers/abb/far_services.hpp"
-#include "drivers/wire/far_clock.hpp"
-#include "drivers/wire/orders.hpp"
+#include "drivers/wire/takes_orders.hpp"
 
 namespace polyarm::abb {
 
@@ -23,53 +22,41 @@ struct FarSideOptions {
 };
 
 /// Runs on a thread of its own. Any thread may call.
-class FarSide {
+class FarSide : public wire::TakesOrders<FarSide> {
  public:
   /// Throws Error("no-port"), Error("bad-value").
   explicit FarSide(FarSideOptions options);
-  FarSide(const FarSide&) = delete;
-  FarSide& operator=(const FarSide&) = delete;
 
   int rws_port() const { return rws_.port(); }
   void send_egm_to(const std::string& host, int port);
   double period() const { return options_.machine.rapid.sampling_ms / 1000.0; }
 
-  /// Lets a fault happen, or an event that ends one: `KIND` or `KIND=NUMBER`. Throws Error("bad-value") with
-  /// the kinds.
-  void order(const std::string& fault);
-  /// The kinds with their meaning, one a line.
-  static std::string kinds();
-  /// The parameter `faults` of a driver with a controller of its own. Throws Error("bad-value").
-  static std::vector<wire::TimedOrder> timed_orders(const std::string& text);
-
-  /// The controller's clock stands still; step() moves it.
-  void hold_clock(bool on);
   /// One cycle. Waits until the last packet is answered, at most `patience` ns; false if no answer came.
   bool step(Nanoseconds patience = 0);
   /// Packets that went out, and the sequence of the newest one.
-  std::pair<std::uint64_t, std::uint32_t> sent();
-  std::uint64_t packets() { return sent().first; }
-  std::uint64_t messages();
-  std::uint64_t requests();
-  /// Looks at the machine, or changes it, between two cycles.
-  template <typename Use>
-  auto with(Use use) {
-    const auto lock = clock_.lock();
-    return use(machine_);
+  std::pair<std::uint64_t, std::uint32_t> sent() {
+    return locked([this] { return std::pair{egm_.packets(), egm_.sent_sequence()}; });
+  }
+  std::uint64_t messages() {
+    return locked([this] { return egm_.messages(); });
+  }
+  std::uint64_t requests() {
+    return locked([this] { return rws_.requests(); });
   }
 
  private:
+  friend wire::TakesOrders<FarSide>;
+  static constexpr const char* kOrderExample = "e_stop@3";
+  static std::span<const wire::OrderKind> order_kinds();
   void serve();
-  void report(const std::string& text) const;
-  void order_by_hand(const std::string& kind, int number);
-  void order_on_wires(const std::string& kind, int number);
+  void order_by_hand(const wire::Order& order);
+  void order_on_wires(const wire::Order& order);
 
   FarSideOptions options_;
   Machine machine_;
   FarFaults faults_;
   FarEgm egm_;
   FarRws rws_;
-  bool ran_ = false;
   wire::FarClock clock_;
 };
 

@@ -1,13 +1,11 @@
 #pragma once
 /// The driver with a simulated controller of its own: `hardware: fanuc_fake` drives it over the real wires.
-#include <memory>
 #include <string>
-#include <vector>
 
 #include "drivers/fanuc/component.hpp"
 #include "drivers/fanuc/far_side.hpp"
 #include "drivers/wire/in_world.hpp"
-#include "drivers/wire/simulated.hpp"
+#include "drivers/wire/simulated_component.hpp"
 
 namespace polyarm::fanuc {
 
@@ -16,30 +14,12 @@ namespace polyarm::fanuc {
 /// their interfaces. `faults: KIND@SECOND KIND@again …` orders faults of FarSide, in seconds since the first
 /// activation. While the component is active, the controller's clock stands still between two cycles of the
 /// loop, so that a run repeats itself, as fast as the machine can.
-class FakeFanuc : public wire::InWorld<FanucComponent> {
+class FakeFanuc : public wire::SimulatedComponent<wire::InWorld<FanucComponent>, FarSide> {
  public:
-  FakeFanuc() {
-    paced_ = false;
-    follows_ = true;
-  }
-  ~FakeFanuc() override;
+  FakeFanuc();
   hardware::CallbackReturn on_init(const hardware::ComponentContext& context) override;
-  hardware::CallbackReturn on_configure() override;
-  hardware::CallbackReturn on_activate() override;
-  hardware::CallbackReturn on_deactivate() override;
-  hardware::CallbackReturn on_cleanup() override;
-  hardware::CallbackReturn on_shutdown() override { return on_cleanup(); }
-  hardware::CallbackReturn on_error() override { return on_cleanup(); }
   hardware::ReturnType read(const hardware::Cycle& cycle, std::span<double> states) noexcept override;
-  bool real() const noexcept override { return false; }
   std::string summary() const override;
-  FarSide& far_side() { return *far_; }
-
- private:
-  bool await_packet(std::uint32_t sequence) noexcept;
-  std::unique_ptr<FarSide> far_;
-  wire::DueOrders faults_;
-  std::atomic<bool> stepped_{false};
 };
 
 }  // namespace polyarm::fanuc

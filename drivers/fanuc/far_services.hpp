@@ -10,25 +10,19 @@
 #include "drivers/fanuc/far_motion.hpp"
 #include "drivers/fanuc/machine.hpp"
 #include "drivers/fanuc/rmi.hpp"
+#include "drivers/wire/far_packets.hpp"
 #include "drivers/wire/service.hpp"
-#include "drivers/wire/udp.hpp"
 
 namespace polyarm::fanuc {
 
-/// What goes wrong on purpose.
-struct FarFaults {
-  bool silent = false;     ///< Stream Motion sends nothing
-  bool deaf = false;       ///< Stream Motion takes no commands
+/// What goes wrong on purpose; those of packets are Stream Motion's.
+struct FarFaults : wire::PacketFaults {
   bool mute = false;       ///< the Remote Motion Interface gives no answers
   bool busy = false;       ///< another program uses the Remote Motion Interface
   bool old = false;        ///< Stream Motion has version 1
   bool no_stream = false;  ///< the streaming program is not installed
   bool refuse = false;     ///< remote motion is refused
   bool stuck = false;      ///< the streaming program does not become ready
-  bool garbage = false;    ///< the next packet is not valid
-  int duplicate = 0;       ///< packets that are sent twice
-  int reorder = 0;         ///< packets that are sent after the next one
-  int late = 0;            ///< packets that are kept back, then sent together
 };
 
 /// Stream Motion.
@@ -63,7 +57,6 @@ class FarStream {
   void follow();
   bool judge(const Six& next);
   void send();
-  void send_to_client(const std::vector<std::uint8_t>& packet);
   Status status() const;
   void apply_outputs(const IoArea& io);
 
@@ -83,7 +76,7 @@ class FarStream {
   std::array<LimitTable, 18> tables_;
   double speed_ = 0;  ///< mm/s, of the face plate
   std::array<double, 6> pose_{};
-  std::vector<std::vector<std::uint8_t>> kept_;  ///< packets that a fault keeps back
+  wire::PacketQueue packets_;
 };
 
 /// The Remote Motion Interface.

@@ -37,6 +37,12 @@ constexpr wire::OrderKind kKinds[] = {
     {"healthy", "ends silent, deaf, stuck, wrong_version, no_program, refuse, busy, mute and power_off"},
 };
 
+/// At least three digits.
+std::string three_digits(int number) {
+  const std::string digits = std::to_string(number);
+  return std::string(digits.size() < 3 ? 3 - digits.size() : 0, '0') + digits;
+}
+
 }  // namespace
 
 FarSide::FarSide(FarSideOptions options)
@@ -56,91 +62,42 @@ FarSide::FarSide(FarSideOptions options)
                 [this] { serve(); }, [this] { return stream_.unanswered(); }, [this] { cycle(); }});
 }
 
-std::string FarSide::kinds() {
-  return wire::order_list(kKinds);
+std::span<const wire::OrderKind> FarSide::order_kinds() {
+  return kKinds;
 }
 
-std::vector<wire::TimedOrder> FarSide::timed_orders(const std::string& text) {
-  return wire::parse_timed_orders(text, "e_stop@3 release@again reset@again", kKinds);
+void FarSide::order_by_hand(const wire::Order& order) {
+  if (order.is("e_stop") || order.is("release")) machine_.emergency(order.is("e_stop"));
+  if (order.is("fence_open") || order.is("fence_closed")) machine_.fence(order.is("fence_open"));
+  if (order.is("t1")) machine_.teach(TeachMode::t1);
+  if (order.is("t2")) machine_.teach(TeachMode::t2);
+  if (order.is("auto")) machine_.teach(TeachMode::automatic);
+  if (order.is("contact")) machine_.touch();
+  if (order.is("motn")) machine_.alarm("MOTN-" + three_digits(order.number_or(603)) + " ST: ordered");
+  if (order.is("alarm")) machine_.alarm("SRVO-" + three_digits(order.number_or(65)) + " ordered");
+  if (order.is("reset")) machine_.reset();
+  if (order.is("abort")) rmi_.abort();
+  if (order.is("hold") || order.is("continue")) rmi_.pause(order.is("hold"));
+  if (order.is("hold")) stream_.program(false);
 }
 
-void FarSide::report(const std::string& text) const {
-  if (options_.report) options_.report(text);
-}
-
-void FarSide::order(const std::string& fault) {
-  const auto [kind, given] = wire::parse_order(fault, kKinds);
-  const int number = given >= 0 ? given : kind == "motn" ? 603 : kind == "alarm" ? 65 : 10;
-  const auto lock = clock_.lock();
-  order_by_hand(kind);
-  order_on_wires(kind, number);
-  std::string digits = std::to_string(number);
-  digits.insert(0, digits.size() < 3 ? 3 - digits.size() : 0, '0');
-  if (kind == "motn") machine_.alarm("MOTN-" + digits + " ST: ordered");
-  if (kind == "alarm") machine_.alarm("SRVO-" + digits + " ordered");
-  report("ordered: " + fault);
-}
-
-void FarSide::order_by_hand(const std::string& kind) {
-  const auto is = [&](const char* name) { return kind == name; };
-  if (is("e_stop") || is("release")) machine_.emergency(is("e_stop"));
-  if (is("fence_open") || is("fence_closed")) machine_.fence(is("fence_open"));
-  if (is("t1")) machine_.teach(TeachMode::t1);
-  if (is("t2")) machine_.teach(TeachMode::t2);
-  if (is("auto")) machine_.teach(TeachMode::automatic);
-  if (is("contact")) machine_.touch();
-  if (is("reset")) machine_.reset();
-  if (is("abort")) rmi_.abort();
-  if (is("hold") || is("continue")) rmi_.pause(is("hold"));
-  if (is("hold")) stream_.program(false);
-}
-
-void FarSide::order_on_wires(const std::string& kind, int number) {
-  const auto is = [&](const char* name) { return kind == name; };
-  if (is("silent") || is("power_off")) faults_.silent = true;
-  if (is("late")) faults_.late = number;
-  if (is("duplicate")) faults_.duplicate = number;
-  if (is("reorder")) faults_.reorder = number;
-  if (is("garbage")) faults_.garbage = true;
-  if (is("deaf")) faults_.deaf = true;
-  if (is("stuck")) faults_.stuck = true;
-  if (is("wrong_version")) faults_.old = true;
-  if (is("no_program")) faults_.no_stream = true;
-  if (is("refuse")) faults_.refuse = true;
-  if (is("busy")) faults_.busy = true;
-  if (is("mute")) faults_.mute = true;
-  if (is("terminate")) rmi_.terminate();
-  if (is("close_rmi") || is("power_off")) rmi_.drop();
-  if (is("power_off")) machine_.stop();
-  if (is("healthy")) faults_ = {};
-}
-
-void FarSide::hold_clock(bool on) {
-  clock_.hold(on);
+void FarSide::order_on_wires(const wire::Order& order) {
+  faults_.take(order);
+  order.switch_on({{"power_off", &faults_.silent},
+                   {"stuck", &faults_.stuck},
+                   {"wrong_version", &faults_.old},
+                   {"no_program", &faults_.no_stream},
+                   {"refuse", &faults_.refuse},
+                   {"busy", &faults_.busy},
+                   {"mute", &faults_.mute}});
+  if (order.is("terminate")) rmi_.terminate();
+  if (order.is("close_rmi") || order.is("power_off")) rmi_.drop();
+  if (order.is("power_off")) machine_.stop();
+  if (order.is("healthy")) faults_ = {};
 }
 
 bool FarSide::step(Nanoseconds patience) {
   return clock_.step(patience, [this] { return faults_.deaf || faults_.silent || !stream_.waits(); });
-}
-
-std::uint32_t FarSide::sent_sequence() {
-  const auto lock = clock_.lock();
-  return stream_.sent_sequence();
-}
-
-std::uint64_t FarSide::commands() {
-  const auto lock = clock_.lock();
-  return stream_.commands();
-}
-
-bool FarSide::program_runs() {
-  const auto lock = clock_.lock();
-  return stream_.program_runs();
-}
-
-std::uint64_t FarSide::instructions_done() {
-  const auto lock = clock_.lock();
-  return rmi_.done();
 }
 
 void FarSide::cycle() {
@@ -151,10 +108,7 @@ void FarSide::cycle() {
 void FarSide::serve() {
   stream_.serve();
   rmi_.serve();
-  const bool runs = stream_.program_runs();
-  if (runs == ran_) return;
-  ran_ = runs;
-  report(runs ? "STREAM_MOTN runs" : "STREAM_MOTN ended");
+  report_change(stream_.program_runs(), "STREAM_MOTN runs", "STREAM_MOTN ended");
 }
 
 }  // namespace polyarm::fanuc

@@ -5,8 +5,7 @@
 #include <vector>
 
 #include "drivers/fanuc/far_services.hpp"
-#include "drivers/wire/far_clock.hpp"
-#include "drivers/wire/orders.hpp"
+#include "drivers/wire/takes_orders.hpp"
 
 namespace polyarm::fanuc {
 
@@ -21,55 +20,52 @@ struct FarSideOptions {
 };
 
 /// Runs on a thread of its own. Any thread may call.
-class FarSide {
+class FarSide : public wire::TakesOrders<FarSide> {
  public:
   /// Throws Error("no-port").
   explicit FarSide(FarSideOptions options);
-  FarSide(const FarSide&) = delete;
-  FarSide& operator=(const FarSide&) = delete;
 
   int stream_port() const { return stream_.port(); }
   int rmi_port() const { return rmi_.port(); }
   double period() const { return options_.sampling_ms / 1000.0; }
 
-  /// Lets a fault happen, or an event that ends one: `KIND` or `KIND=NUMBER`. Throws Error("bad-value") with
-  /// the kinds.
-  void order(const std::string& fault);
-  /// The kinds with their meaning, one a line.
-  static std::string kinds();
-  /// The parameter `faults` of a driver with a controller of its own. Throws Error("bad-value").
-  static std::vector<wire::TimedOrder> timed_orders(const std::string& text);
-
-  /// The controller's clock stands still; step() moves it.
-  void hold_clock(bool on);
   /// One cycle. Waits until the last packet is answered, at most `patience` ns; false if no answer came.
   bool step(Nanoseconds patience = 0);
-  /// The sequence of the newest packet that went out.
-  std::uint32_t sent_sequence();
-  /// Looks at the machine, or changes it, between two cycles.
-  template <typename Use>
-  auto with(Use use) {
-    const auto lock = clock_.lock();
-    return use(machine_);
+  /// Packets of this session of Stream Motion that went out, and the sequence of the newest one.
+  std::pair<std::uint64_t, std::uint64_t> sent() {
+    return locked([this] {
+      return std::pair<std::uint64_t, std::uint64_t>(stream_.sent_sequence(), stream_.sent_sequence());
+    });
   }
-  std::uint64_t commands();
-  bool program_runs();
+  /// The sequence of the newest packet that went out.
+  std::uint32_t sent_sequence() {
+    return locked([this] { return stream_.sent_sequence(); });
+  }
+  std::uint64_t commands() {
+    return locked([this] { return stream_.commands(); });
+  }
+  bool program_runs() {
+    return locked([this] { return stream_.program_runs(); });
+  }
   /// Instructions of the Remote Motion Interface that are done.
-  std::uint64_t instructions_done();
+  std::uint64_t instructions_done() {
+    return locked([this] { return rmi_.done(); });
+  }
 
  private:
+  friend wire::TakesOrders<FarSide>;
+  static constexpr const char* kOrderExample = "e_stop@3 release@again reset@again";
+  static std::span<const wire::OrderKind> order_kinds();
   void serve();
   void cycle();
-  void report(const std::string& text) const;
-  void order_by_hand(const std::string& kind);
-  void order_on_wires(const std::string& kind, int number);
+  void order_by_hand(const wire::Order& order);
+  void order_on_wires(const wire::Order& order);
 
   FarSideOptions options_;
   Machine machine_;
   FarFaults faults_;
   FarStream stream_;
   FarRmi rmi_;
-  bool ran_ = false;
   wire::FarClock clock_;
 };
 

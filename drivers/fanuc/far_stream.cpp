@@ -87,7 +87,7 @@ void FarStream::take_start(std::uint32_t version) {
   client_answers_ = false;
   sequence_ = sent_ = answered_ = due_ = 0;
   buffer_.clear();
-  kept_.clear();
+  packets_.clear();
 }
 
 void FarStream::take_command(const Command& command) {
@@ -225,30 +225,16 @@ Status FarStream::status() const {
   return out;
 }
 
-void FarStream::send_to_client(const std::vector<std::uint8_t>& packet) {
-  if (client_) wire::send_datagram(socket_.number(), packet, *client_);
-}
-
 void FarStream::send() {
   ++sequence_;
   std::vector<std::uint8_t> packet = encode(status());
   if (faults_.silent) return;
   if (std::exchange(faults_.garbage, false)) packet.resize(packet.size() / 2);
-  if (faults_.late > 0 || faults_.reorder > 0) {
-    kept_.push_back(packet);
-    const bool late = faults_.late > 0;
-    int& left = late ? faults_.late : faults_.reorder;
-    if (--left > 0 && (late || kept_.size() < 2)) return;
-    if (!late) std::reverse(kept_.begin(), kept_.end());
-    for (const auto& one : kept_) send_to_client(one);
-    kept_.clear();
-  } else {
-    for (const auto& one : kept_) send_to_client(one);
-    kept_.clear();
-    send_to_client(packet);
-    if (faults_.duplicate > 0 && faults_.duplicate-- > 0) send_to_client(packet);
-  }
-  sent_ = sequence_;
+  const auto send = [this](const std::vector<std::uint8_t>& one) {
+    if (client_) wire::send_datagram(socket_.number(), one, *client_);
+  };
+  if (packets_.pass(std::move(packet), faults_, send, send) != wire::PacketQueue::Went::nowhere)
+    sent_ = sequence_;
 }
 
 }  // namespace polyarm::fanuc

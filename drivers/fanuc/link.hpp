@@ -30,6 +30,10 @@ struct Sample {
   std::uint32_t answered = 0;  ///< sequence of the last packet that a command answered
 };
 
+inline std::uint64_t sequence_of(const Sample& sample) noexcept {
+  return sample.status.sequence;
+}
+
 /// A range of digital inputs or outputs in the controller's numbers.
 struct IoRange {
   int first = 1, count = 0;

@@ -39,15 +39,9 @@ CallbackReturn OnFarSide::on_init(const hardware::ComponentContext& context) {
   return FrankaComponent::on_init(own);
 }
 
-CallbackReturn OnFarSide::on_activate() {
-  const CallbackReturn done = SimulatedComponent::on_activate();
-  if (done == CallbackReturn::success) cycles_ = 0;
-  return done;
-}
-
 hardware::ReturnType OnFarSide::read(const hardware::Cycle& cycle, std::span<double> states) noexcept {
   step(seconds(cycle.period));
-  if (has_hand() && cycles_++ % kHandCycles == 0) link()->serve_hand(far_->hand_state());
+  if (has_hand() && is_due(kHandCycles)) link()->serve_hand(far_->hand_state());
   return FrankaComponent::read(cycle, states);
 }
 

@@ -19,12 +19,8 @@ class OnFarSide : public wire::SimulatedComponent<FrankaComponent, FarSide> {
     stepped_link_ = true;
   }
   hardware::CallbackReturn on_init(const hardware::ComponentContext& context) override;
-  hardware::CallbackReturn on_activate() override;
   hardware::ReturnType read(const hardware::Cycle& cycle, std::span<double> states) noexcept override;
   std::string summary() const override;
-
- private:
-  std::uint64_t cycles_ = 0;
 };
 
 /// `world: mock` or `world: mujoco` simulates tool, parts and machines around the robot, with their

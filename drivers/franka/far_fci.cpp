@@ -1,23 +1,12 @@
 #include "drivers/franka/far_fci.hpp"
 
-#include <arpa/inet.h>
-
 #include <algorithm>
-
-#include "polyarm/base/error.hpp"
 
 namespace polyarm::franka {
 
-namespace {
-constexpr const char* kOtherHost = "127.0.0.2";
-}
-
 void FarFci::listen(const std::string& address, int port) {
   door_.listen(address, port);
-  std::string why;
-  socket_ = wire::bind_udp(address, 0, why);
-  stranger_ = wire::bind_udp(address.starts_with("127.") ? kOtherHost : address, 0, why);
-  if (!socket_ || !stranger_) throw Error("no-port", why, "choose another address");
+  socket_.open(address);
 }
 
 FarFci::Client* FarFci::session() {
@@ -40,16 +29,15 @@ bool FarFci::connect(Client& client, const Frame& frame) {
   Data data{static_cast<std::uint8_t>(fits ? 0 : 1), static_cast<std::uint8_t>(spoken()),
             static_cast<std::uint8_t>(spoken() >> 8)};
   if (!fits) return reply(client, frame, std::move(data));
-  if (session()) return false;  // it takes one client
+  const auto target = wire::udp_address(wire::peer_address(client.socket.number()), port);
+  if (session() || !target) return false;  // it takes one client
   if (!reply(client, frame, std::move(data))) return false;
   if (has_session_) machine_.leave();  // of a client that is gone
-  in_addr host{};
-  ::inet_pton(AF_INET, wire::peer_address(client.socket.number()).c_str(), &host);
-  target_ = {host.s_addr, htons(static_cast<std::uint16_t>(port))};
+  socket_.send_to(*target);
   client.connected = has_session_ = true;
   answers_ = false;
   unanswered_ = 0;
-  kept_.clear();
+  socket_.clear();
   return true;
 }
 
@@ -77,22 +65,18 @@ void FarFci::report_end() {
 }
 
 void FarFci::take_commands() {
-  std::array<std::uint8_t, 1024> bytes;
-  wire::UdpAddress from;
-  for (int i = 0; i < 256; ++i) {
-    const wire::Received got = wire::receive_datagram(socket_.number(), bytes, &from);
-    if (got.got != wire::Got::bytes) return;
-    if (faults_.power_off || !has_session_ || !(from == target_)) continue;
-    const auto command = decode_command(Bytes(bytes).first(got.count), machine_.version());
-    if (!command) continue;
+  socket_.receive<1024>([this](Bytes bytes) {
+    if (faults_.power_off || !has_session_) return;
+    const auto command = decode_command(bytes, machine_.version());
+    if (!command) return;
     // The clock waits for an answer that is not taken, too.
     if (command->id == newest_) unanswered_ = 0;
     answers_ = true;
-    if (faults_.deaf) continue;
-    if (faults_.drop > 0 && faults_.drop-- > 0) continue;
+    if (faults_.deaf) return;
+    if (faults_.drop > 0 && faults_.drop-- > 0) return;
     ++taken_;
     machine_.take(*command);
-  }
+  });
 }
 
 void FarFci::serve() {
@@ -118,38 +102,22 @@ void FarFci::cycle() {
   send_state();
 }
 
-void FarFci::send(const Data& state) {
-  if (faults_.stranger) return void(wire::send_datagram(stranger_.number(), state, target_));
-  wire::send_datagram(socket_.number(), state, target_);
-  ++sent_;
-  newest_ = machine_.id();
-  if (machine_.moves()) unanswered_ = 1;
-}
-
 void FarFci::send_state() {
   if (!has_session_ || faults_.silent || faults_.power_off) return;
   RobotState now = machine_.state();
   if (std::exchange(faults_.not_a_number, false)) now.q[3] = std::nan("");
   Data state = encode(now, machine_.version());
   if (std::exchange(faults_.garbage, false)) state.resize(state.size() / 2);
-  if (faults_.late > 0 || faults_.reorder > 0) {
-    kept_.push_back(std::move(state));
-    const bool late = faults_.late > 0;
-    int& left = late ? faults_.late : faults_.reorder;
-    if (--left > 0 && (late || kept_.size() < 2)) return;
-    if (!late) std::reverse(kept_.begin(), kept_.end());
-    for (const Data& one : kept_) send(one);
-    return kept_.clear();
-  }
-  for (const Data& one : kept_) send(one);
-  kept_.clear();
-  send(state);
-  if (faults_.duplicate > 0 && faults_.duplicate-- > 0) wire::send_datagram(socket_.number(), state, target_);
+  const int packets = socket_.send(std::move(state), faults_).packets;
+  if (packets == 0) return;
+  sent_ += static_cast<std::uint64_t>(packets);
+  newest_ = machine_.id();
+  if (machine_.moves()) unanswered_ = 1;
 }
 
 void FarFci::descriptors(std::vector<int>& out) {
   out.push_back(door_.listener());
-  out.push_back(socket_.number());
+  out.push_back(socket_.descriptor());
   for (const auto& client : door_.clients()) out.push_back(client->socket.number());
 }
 

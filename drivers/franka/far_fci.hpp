@@ -4,26 +4,19 @@
 #include <vector>
 
 #include "drivers/franka/machine.hpp"
+#include "drivers/wire/far_packets.hpp"
 #include "drivers/wire/service.hpp"
-#include "drivers/wire/udp.hpp"
 
 namespace polyarm::franka {
 
-/// What goes wrong on purpose.
-struct FarFaults {
-  bool silent = false;        ///< no states
-  bool deaf = false;          ///< commands are not taken
-  bool garbage = false;       ///< the next state has another length
+/// What goes wrong on purpose; those of packets are of states and commands.
+struct FarFaults : wire::PacketFaults {
   bool not_a_number = false;  ///< the next state has a position that is NaN
-  bool stranger = false;      ///< states come from another address
   bool mute = false;          ///< no replies
   bool bad_reply = false;     ///< the next reply is no frame
   bool busy = false;          ///< it has another client
   bool power_off = false;     ///< nothing answers
   int other_version = 0;      ///< the version that it speaks; 0: its own
-  int late = 0;               ///< states that are kept back, then sent together
-  int duplicate = 0;          ///< states that are sent twice
-  int reorder = 0;            ///< states that are sent behind the next one
   int drop = 0;               ///< commands that get lost
   bool hand_silent = false, hand_mute = false, hand_fails = false;
   int hand_version = 0;
@@ -60,7 +53,6 @@ class FarFci {
   bool reply(Client& client, const Frame& frame, Data data);
   void take_commands();
   void report_end();
-  void send(const Data& state);
   void send_state();
   Client* session();
   int spoken() const { return faults_.other_version > 0 ? faults_.other_version : machine_.version(); }
@@ -68,13 +60,11 @@ class FarFci {
   Machine& machine_;
   FarFaults& faults_;
   wire::Service<Client> door_;
-  Descriptor socket_, stranger_;
-  wire::UdpAddress target_;
+  wire::FarSocket socket_;
   bool has_session_ = false;
   bool answers_ = false;
   int unanswered_ = 0;
   std::uint64_t sent_ = 0, newest_ = 0, taken_ = 0, requests_ = 0;
-  std::vector<Data> kept_;  ///< states that a fault keeps back
 };
 
 }  // namespace polyarm::franka

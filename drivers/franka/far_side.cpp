@@ -2,8 +2,6 @@
 
 #include <algorithm>
 
-#include "drivers/wire/orders.hpp"
-
 namespace polyarm::franka {
 
 namespace {
@@ -73,75 +71,47 @@ FarSide::FarSide(FarSideOptions options)
                                                 }});
 }
 
-std::string FarSide::kinds() {
-  return wire::order_list(kKinds);
+std::span<const wire::OrderKind> FarSide::order_kinds() {
+  return kKinds;
 }
 
-std::vector<wire::TimedOrder> FarSide::timed_orders(const std::string& text) {
-  return wire::parse_timed_orders(text, "user_stop@3 release@again", kKinds);
+void FarSide::order_by_hand(const wire::Order& order) {
+  if (order.is("user_stop") || order.is("release")) machine_.press_user_stop(order.is("user_stop"));
+  if (order.is("guide") || order.is("let_go")) machine_.guide(order.is("guide"));
+  if (order.is("brakes") || order.is("open_brakes")) machine_.close_brakes(order.is("brakes"));
+  if (order.is("safety") || order.is("safety_off")) machine_.safety_function(order.is("safety"));
+  if (order.is("collision")) machine_.raise(ErrorFlag::joint_reflex);
+  if (order.is("error"))
+    machine_.raise(static_cast<ErrorFlag>(std::min(order.number_or(7), static_cast<int>(kErrors) - 1)));
+  if (order.is("force")) machine_.set_force(order.number_or(10));
+  if (order.is("push")) machine_.push_by_hand(order.number_or(5) * 0.017453292519943295);
+  if (order.is("sag")) machine_.sag(order.number_or(2) * 1e-3);
+  if (order.is("recover")) machine_.answer(Request::recover, {}, 0);
+  if (order.is("part")) fingers_.put_part(order.number_or(30) * 1e-3);
 }
 
-void FarSide::report(const std::string& text) const {
-  if (options_.report) options_.report(text);
-}
-
-void FarSide::order(const std::string& fault) {
-  const auto [kind, given] = wire::parse_order(fault, kKinds);
-  const auto lock = clock_.lock();
-  order_by_hand(kind, given);
-  order_on_wires(kind, given);
-  report("ordered: " + fault);
-}
-
-void FarSide::order_by_hand(const std::string& kind, int number) {
-  const auto is = [&](const char* name) { return kind == name; };
-  const auto given = [&](int otherwise) { return number >= 0 ? number : otherwise; };
-  if (is("user_stop") || is("release")) machine_.press_user_stop(is("user_stop"));
-  if (is("guide") || is("let_go")) machine_.guide(is("guide"));
-  if (is("brakes") || is("open_brakes")) machine_.close_brakes(is("brakes"));
-  if (is("safety") || is("safety_off")) machine_.safety_function(is("safety"));
-  if (is("collision")) machine_.raise(ErrorFlag::joint_reflex);
-  if (is("error")) machine_.raise(static_cast<ErrorFlag>(std::min(given(7), static_cast<int>(kErrors) - 1)));
-  if (is("force")) machine_.set_force(given(10));
-  if (is("push")) machine_.push_by_hand(given(5) * 0.017453292519943295);
-  if (is("sag")) machine_.sag(given(2) * 1e-3);
-  if (is("recover")) machine_.answer(Request::recover, {}, 0);
-  if (is("part")) fingers_.put_part(given(30) * 1e-3);
-}
-
-void FarSide::order_on_wires(const std::string& kind, int number) {
-  const auto is = [&](const char* name) { return kind == name; };
-  const std::pair<const char*, bool*> kSwitches[] = {{"refuse_motion", &machine_.refuse_motion},
-                                                     {"refuse_settings", &machine_.refuse_settings},
-                                                     {"refuse_recovery", &machine_.refuse_recovery},
-                                                     {"singular", &machine_.singular},
-                                                     {"silent", &faults_.silent},
-                                                     {"deaf", &faults_.deaf},
-                                                     {"garbage", &faults_.garbage},
-                                                     {"not_a_number", &faults_.not_a_number},
-                                                     {"stranger", &faults_.stranger},
-                                                     {"mute", &faults_.mute},
-                                                     {"bad_reply", &faults_.bad_reply},
-                                                     {"busy", &faults_.busy},
-                                                     {"hand_silent", &faults_.hand_silent},
-                                                     {"hand_mute", &faults_.hand_mute},
-                                                     {"hand_fails", &faults_.hand_fails},
-                                                     {"power_off", &faults_.power_off}};
-  for (const auto& [name, flag] : kSwitches)
-    if (is(name)) *flag = true;
-  const std::tuple<const char*, int*, int> kCounts[] = {{"drop", &faults_.drop, 5},
-                                                        {"late", &faults_.late, 10},
-                                                        {"duplicate", &faults_.duplicate, 10},
-                                                        {"reorder", &faults_.reorder, 10},
-                                                        {"other_version", &faults_.other_version, 11},
-                                                        {"hand_version", &faults_.hand_version, 4}};
-  for (const auto& [name, count, otherwise] : kCounts)
-    if (is(name)) *count = number >= 0 ? number : otherwise;
-  if (is("low_success")) machine_.success_share = std::min(number >= 0 ? number : 60, 100) / 100.0;
-  if (is("busy") || is("close") || is("power_off")) fci_.drop();
-  if (is("hand_close") || is("power_off")) hand_.drop();
-  if (is("power_off")) machine_.close_brakes(true);
-  if (is("healthy")) make_healthy();
+void FarSide::order_on_wires(const wire::Order& order) {
+  faults_.take(order);
+  order.switch_on({{"refuse_motion", &machine_.refuse_motion},
+                   {"refuse_settings", &machine_.refuse_settings},
+                   {"refuse_recovery", &machine_.refuse_recovery},
+                   {"singular", &machine_.singular},
+                   {"not_a_number", &faults_.not_a_number},
+                   {"mute", &faults_.mute},
+                   {"bad_reply", &faults_.bad_reply},
+                   {"busy", &faults_.busy},
+                   {"hand_silent", &faults_.hand_silent},
+                   {"hand_mute", &faults_.hand_mute},
+                   {"hand_fails", &faults_.hand_fails},
+                   {"power_off", &faults_.power_off}});
+  order.set_count({{"drop", &faults_.drop, 5},
+                   {"other_version", &faults_.other_version, 11},
+                   {"hand_version", &faults_.hand_version, 4}});
+  if (order.is("low_success")) machine_.success_share = std::min(order.number_or(60), 100) / 100.0;
+  if (order.is("busy") || order.is("close") || order.is("power_off")) fci_.drop();
+  if (order.is("hand_close") || order.is("power_off")) hand_.drop();
+  if (order.is("power_off")) machine_.close_brakes(true);
+  if (order.is("healthy")) make_healthy();
 }
 
 void FarSide::make_healthy() {
@@ -155,26 +125,6 @@ void FarSide::make_healthy() {
 bool FarSide::step(Nanoseconds patience) {
   return clock_.step(
       patience, [this] { return faults_.silent || faults_.power_off || faults_.stranger || !fci_.waits(); });
-}
-
-std::pair<std::uint64_t, std::uint64_t> FarSide::sent() {
-  const auto lock = clock_.lock();
-  return {fci_.states(), fci_.newest()};
-}
-
-std::uint64_t FarSide::answers() {
-  const auto lock = clock_.lock();
-  return fci_.answers();
-}
-
-std::uint64_t FarSide::requests() {
-  const auto lock = clock_.lock();
-  return fci_.requests();
-}
-
-std::uint32_t FarSide::hand_state() {
-  const auto lock = clock_.lock();
-  return hand_.newest();
 }
 
 void FarSide::serve() {

@@ -5,8 +5,7 @@
 #include <string>
 
 #include "drivers/franka/far_hand.hpp"
-#include "drivers/wire/far_clock.hpp"
-#include "drivers/wire/orders.hpp"
+#include "drivers/wire/takes_orders.hpp"
 
 namespace polyarm::franka {
 
@@ -19,39 +18,28 @@ struct FarSideOptions {
 };
 
 /// Runs on a thread of its own. Any thread may call.
-class FarSide {
+class FarSide : public wire::TakesOrders<FarSide> {
  public:
   /// Throws Error("no-port").
   explicit FarSide(FarSideOptions options);
-  FarSide(const FarSide&) = delete;
-  FarSide& operator=(const FarSide&) = delete;
 
   int port() const { return fci_.port(); }
   int hand_port() const { return hand_.port(); }
 
-  /// Lets a fault happen, or an event that ends one: `KIND` or `KIND=NUMBER`. Throws Error("bad-value") with
-  /// the kinds.
-  void order(const std::string& fault);
-  /// The kinds with their meaning, one a line.
-  static std::string kinds();
-  /// The parameter `faults` of a driver with a robot of its own. Throws Error("bad-value").
-  static std::vector<wire::TimedOrder> timed_orders(const std::string& text);
-
-  /// The robot's clock stands still; step() moves it.
-  void hold_clock(bool on) { clock_.hold(on); }
   /// One millisecond. Waits until the last state is answered, at most `patience` ns; false if no answer came.
   bool step(Nanoseconds patience = 0);
   /// States that went out, and the id of the newest one.
-  std::pair<std::uint64_t, std::uint64_t> sent();
-  std::uint64_t packets() { return sent().first; }
-  std::uint64_t answers();
-  std::uint64_t requests();
-  std::uint32_t hand_state();
-  /// Looks at the machine, or changes it, between two cycles.
-  template <typename Use>
-  auto with(Use use) {
-    const auto lock = clock_.lock();
-    return use(machine_);
+  std::pair<std::uint64_t, std::uint64_t> sent() {
+    return locked([this] { return std::pair{fci_.states(), fci_.newest()}; });
+  }
+  std::uint64_t answers() {
+    return locked([this] { return fci_.answers(); });
+  }
+  std::uint64_t requests() {
+    return locked([this] { return fci_.requests(); });
+  }
+  std::uint32_t hand_state() {
+    return locked([this] { return hand_.newest(); });
   }
   template <typename Use>
   auto with_fingers(Use use) {
@@ -60,10 +48,12 @@ class FarSide {
   }
 
  private:
+  friend wire::TakesOrders<FarSide>;
+  static constexpr const char* kOrderExample = "user_stop@3 release@again";
+  static std::span<const wire::OrderKind> order_kinds();
   void serve();
-  void report(const std::string& text) const;
-  void order_by_hand(const std::string& kind, int number);
-  void order_on_wires(const std::string& kind, int number);
+  void order_by_hand(const wire::Order& order);
+  void order_on_wires(const wire::Order& order);
   void make_healthy();
 
   FarSideOptions options_;

@@ -3,7 +3,6 @@
 #include <cmath>
 #include <numbers>
 
-#include "drivers/wire/signals.hpp"
 #include "polyarm/base/error.hpp"
 #include "polyarm/base/text.hpp"
 
@@ -44,11 +43,7 @@ CallbackReturn FakeKuka::on_init(const hardware::ComponentContext& context) {
   // A driver that falls behind would answer many packets at once.
   options.patience = kAnswer;
   far_ = std::make_unique<FarSide>(options);
-  for (const std::string& text : split_words(given("wires"), " ,;")) {
-    const auto [output, input] = wire::signal_wire(text, static_cast<int>(kMostSignals));
-    far_->with([&](Machine& machine) { machine.wire_output(output, input); });
-  }
-  faults_ = wire::DueOrders(FarSide::timed_orders(given("faults")));
+  take_parameters(context, static_cast<int>(kMostSignals), 1);
   hardware::ComponentContext own = wire::beside_its_controller(context);
   own.parameters["eki"] = "true";
   own.parameters["eki_port"] = std::to_string(far_->eki_port());
@@ -67,18 +62,12 @@ CallbackReturn FakeKuka::on_configure() {
   return done;
 }
 
-CallbackReturn FakeKuka::on_activate() {
-  const CallbackReturn done = SimulatedComponent::on_activate();
-  if (done == CallbackReturn::success) cycles_ = 0;
-  return done;
-}
-
 hardware::ReturnType FakeKuka::read(const hardware::Cycle& cycle, std::span<double> states) noexcept {
   if (forward()) {
     step_asked(seconds(cycle.period), *forward());
   } else {
     step(seconds(cycle.period));
-    if (cycles_++ % kServices == 0) link()->serve_services();
+    if (is_due(kServices)) link()->serve_services();
   }
   return SimulatedComponent::read(cycle, states);
 }

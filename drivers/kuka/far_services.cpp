@@ -1,50 +1,24 @@
 /// RSI and EthernetKRL of the simulated controller.
 #include "drivers/kuka/far_services.hpp"
 
-#include <arpa/inet.h>
-
 #include <algorithm>
 
 #include "polyarm/base/bounds.hpp"
-#include "polyarm/base/error.hpp"
 
 namespace polyarm::kuka {
 
-namespace {
-constexpr const char* kOtherHost = "127.0.0.2";
-}
-
-void FarRsi::open(const std::string& address) {
-  std::string why;
-  socket_ = wire::bind_udp(address, 0, why);
-  stranger_ = wire::bind_udp(address.starts_with("127.") ? kOtherHost : address, 0, why);
-  if (!socket_ || !stranger_) throw Error("no-port", why, "choose another address");
-}
-
-void FarRsi::send_to(const std::string& address, int port) {
-  in_addr host{};
-  if (::inet_pton(AF_INET, address.c_str(), &host) != 1 || port < 1 || port > 65535)
-    throw Error("bad-value", "'" + address + ":" + std::to_string(port) + "' is no address for RSI",
-                "write the address of the computer with the driver, for example 127.0.0.1:59152");
-  target_ = {host.s_addr, htons(static_cast<std::uint16_t>(port))};
-}
-
 void FarRsi::serve() {
-  std::array<std::uint8_t, bounds::kRsiDatagramBytes> bytes;
-  wire::UdpAddress from;
-  for (int i = 0; i < 256; ++i) {
-    const wire::Received got = wire::receive_datagram(socket_.number(), bytes, &from);
-    if (got.got != wire::Got::bytes) return;
-    if (faults_.power_off || !(from == target_)) continue;
-    const auto answer = decode_sensor({reinterpret_cast<const char*>(bytes.data()), got.count}, sen_type_);
-    if (!answer) continue;
+  socket_.receive<bounds::kRsiDatagramBytes>([this](wire::Bytes bytes) {
+    if (faults_.power_off) return;
+    const auto answer = decode_sensor({reinterpret_cast<const char*>(bytes.data()), bytes.size()}, sen_type_);
+    if (!answer) return;
     // The clock waits for an answer that is not taken, too.
     unanswered_ = std::max(0, unanswered_ - 1);
     answers_ = true;
-    if (faults_.deaf) continue;
+    if (faults_.deaf) return;
     ++taken_;
     machine_.take(*answer);
-  }
+  });
 }
 
 void FarRsi::cycle() {
@@ -52,7 +26,7 @@ void FarRsi::cycle() {
   if (!machine_.rsi()) {
     answers_ = false;
     unanswered_ = 0;
-    kept_.clear();
+    socket_.clear();
     return;
   }
   if (machine_.sessions() != session_) {
@@ -65,37 +39,15 @@ void FarRsi::cycle() {
   send();
 }
 
-void FarRsi::send_text(const std::string& text) {
-  const std::span<const std::uint8_t> bytes(reinterpret_cast<const std::uint8_t*>(text.data()), text.size());
-  if (faults_.stranger) return void(wire::send_datagram(stranger_.number(), bytes, target_));
-  wire::send_datagram(socket_.number(), bytes, target_);
-  ++packets_;
-  sent_clock_ = machine_.ipoc();
-  ++unanswered_;
-}
-
 void FarRsi::send() {
   std::string text = encode(machine_.packet());
   if (faults_.silent || faults_.power_off) return;
   const bool broken = std::exchange(faults_.garbage, false);
   if (broken) text.resize(text.size() / 2);
-  if (faults_.late > 0 || faults_.reorder > 0) {
-    kept_.push_back(text);
-    const bool late = faults_.late > 0;
-    int& left = late ? faults_.late : faults_.reorder;
-    if (--left > 0 && (late || kept_.size() < 2)) return;
-    if (!late) std::reverse(kept_.begin(), kept_.end());
-    for (const auto& one : kept_) send_text(one);
-    unanswered_ = 1;  // an old packet behind a newer one gets no answer
-    return kept_.clear();
-  }
-  for (const auto& one : kept_) send_text(one);
-  kept_.clear();
-  send_text(text);
-  if (broken) --unanswered_;  // nobody answers it
-  if (faults_.duplicate > 0 && faults_.duplicate-- > 0)
-    wire::send_datagram(socket_.number(), {reinterpret_cast<const std::uint8_t*>(text.data()), text.size()},
-                        target_);
+  const auto [went, packets] = socket_.send({text.begin(), text.end()}, faults_);
+  packets_ += static_cast<std::uint64_t>(packets);
+  if (packets > 0) sent_clock_ = machine_.ipoc();
+  unanswered_ = wire::unanswered(went, unanswered_, packets, broken);
 }
 
 EkiResult FarEki::carry_out(const EkiRequest& request) {

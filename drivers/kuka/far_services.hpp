@@ -5,25 +5,18 @@
 
 #include "drivers/kuka/far_moves.hpp"
 #include "drivers/kuka/machine.hpp"
+#include "drivers/wire/far_packets.hpp"
 #include "drivers/wire/service.hpp"
-#include "drivers/wire/udp.hpp"
 
 namespace polyarm::kuka {
 
-/// What goes wrong on purpose.
-struct FarFaults {
-  bool silent = false;         ///< RSI sends nothing
-  bool deaf = false;           ///< RSI takes no answers
-  bool garbage = false;        ///< the next packet of RSI is broken
-  bool stranger = false;       ///< packets come from another address
+/// What goes wrong on purpose; those of packets are RSI's.
+struct FarFaults : wire::PacketFaults {
   bool mute = false;           ///< EthernetKRL gives no answers
   bool nonsense = false;       ///< what it sends is no XML
   bool busy = false;           ///< it has another client
   bool other_program = false;  ///< it is another version
   bool power_off = false;      ///< nothing answers
-  int duplicate = 0;           ///< packets that are sent twice
-  int reorder = 0;             ///< packets that are sent after the next one
-  int late = 0;                ///< packets that are kept back, then sent together
 };
 
 /// RSI: the controller sends to a computer, which answers.
@@ -31,10 +24,11 @@ class FarRsi {
  public:
   FarRsi(Machine& machine, FarFaults& faults, std::string sen_type)
       : machine_(machine), faults_(faults), sen_type_(std::move(sen_type)) {}
-  /// Throws Error("no-port") if a socket cannot be opened, Error("bad-value") for an address.
-  void open(const std::string& address);
-  void send_to(const std::string& address, int port);
-  int descriptor() const { return socket_.number(); }
+  /// Throws Error("no-port").
+  void open(const std::string& address) { socket_.open(address); }
+  /// Throws Error("bad-value").
+  void send_to(const std::string& address, int port) { socket_.send_to(address, port, "RSI", 59152); }
+  int descriptor() const { return socket_.descriptor(); }
   void serve();
   /// One cycle: the machine moves, and a packet goes out.
   void cycle();
@@ -47,18 +41,15 @@ class FarRsi {
 
  private:
   void send();
-  void send_text(const std::string& text);
 
   Machine& machine_;
   FarFaults& faults_;
   std::string sen_type_;
-  Descriptor socket_, stranger_;
-  wire::UdpAddress target_;
+  wire::FarSocket socket_;
   std::uint64_t packets_ = 0, taken_ = 0, sent_clock_ = 0, session_ = 0;
   bool answers_ = false;
-  bool renewed_ = false;           ///< the clock began anew: no driver answers any more
-  int unanswered_ = 0;             ///< packets of this session
-  std::vector<std::string> kept_;  ///< packets that a fault keeps back
+  bool renewed_ = false;  ///< the clock began anew: no driver answers any more
+  int unanswered_ = 0;    ///< packets of this session
 };
 
 /// Our KRL programs behind EthernetKRL. They take one client; without one, a session of moves ends.

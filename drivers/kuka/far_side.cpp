@@ -1,7 +1,5 @@
 #include "drivers/kuka/far_side.hpp"
 
-#include "polyarm/base/error.hpp"
-
 namespace polyarm::kuka {
 
 namespace {
@@ -80,79 +78,52 @@ void FarSide::send_rsi_to(const std::string& host, int port) {
   rsi_.send_to(host, port);
 }
 
-std::string FarSide::kinds() {
-  return wire::order_list(kKinds);
+std::span<const wire::OrderKind> FarSide::order_kinds() {
+  return kKinds;
 }
 
-std::vector<wire::TimedOrder> FarSide::timed_orders(const std::string& text) {
-  return wire::parse_timed_orders(text, "e_stop@3", kKinds);
+void FarSide::order_by_hand(const wire::Order& order) {
+  if (order.is("e_stop") || order.is("release")) machine_.emergency(order.is("e_stop"));
+  if (order.is("guard_open") || order.is("guard_closed")) machine_.guard(order.is("guard_open"));
+  if (order.is("acknowledge")) machine_.acknowledge();
+  if (order.is("t1")) machine_.set_mode(OperatingMode::t1);
+  if (order.is("t2")) machine_.set_mode(OperatingMode::t2);
+  if (order.is("aut")) machine_.set_mode(OperatingMode::automatic);
+  if (order.is("ext")) machine_.set_mode(OperatingMode::external);
+  if (order.is("drives_off")) machine_.switch_drives(false);
+  if (order.is("stop")) machine_.stop_program();
+  if (order.is("cancel")) machine_.cancel_program();
+  if (order.is("play")) machine_.press_start();
+  if (order.is("rsi_off")) machine_.end_rsi();
+  if (order.is("collision")) machine_.stop_with_message();
 }
 
-void FarSide::report(const std::string& text) const {
-  if (options_.report) options_.report(text);
-}
-
-void FarSide::order(const std::string& fault) {
-  const auto [kind, given] = wire::parse_order(fault, kKinds);
-  const auto lock = clock_.lock();
-  order_by_hand(kind);
-  order_on_wires(kind, given);
-  report("ordered: " + fault);
-}
-
-void FarSide::order_by_hand(const std::string& kind) {
-  const auto is = [&](const char* name) { return kind == name; };
-  if (is("e_stop") || is("release")) machine_.emergency(is("e_stop"));
-  if (is("guard_open") || is("guard_closed")) machine_.guard(is("guard_open"));
-  if (is("acknowledge")) machine_.acknowledge();
-  if (is("t1")) machine_.set_mode(OperatingMode::t1);
-  if (is("t2")) machine_.set_mode(OperatingMode::t2);
-  if (is("aut")) machine_.set_mode(OperatingMode::automatic);
-  if (is("ext")) machine_.set_mode(OperatingMode::external);
-  if (is("drives_off")) machine_.switch_drives(false);
-  if (is("stop")) machine_.stop_program();
-  if (is("cancel")) machine_.cancel_program();
-  if (is("play")) machine_.press_start();
-  if (is("rsi_off")) machine_.end_rsi();
-  if (is("collision")) machine_.stop_with_message();
-}
-
-void FarSide::order_on_wires(const std::string& kind, int number) {
-  const auto is = [&](const char* name) { return kind == name; };
-  const std::pair<const char*, bool*> kSwitches[] = {{"silent", &faults_.silent},
-                                                     {"deaf", &faults_.deaf},
-                                                     {"garbage", &faults_.garbage},
-                                                     {"again", &machine_.renew_clock},
-                                                     {"slow", &machine_.slow},
-                                                     {"stranger", &faults_.stranger},
-                                                     {"mute", &faults_.mute},
-                                                     {"nonsense", &faults_.nonsense},
-                                                     {"busy", &faults_.busy},
-                                                     {"other_program", &faults_.other_program},
-                                                     {"refuse_start", &machine_.refuse_start},
-                                                     {"refuse_drives", &machine_.refuse_drives},
-                                                     {"locked_outputs", &machine_.locked_outputs},
-                                                     {"refuse_moves", &moves_.refuse},
-                                                     {"silent_halts", &moves_.confirms_not},
-                                                     {"power_off", &faults_.power_off}};
-  for (const auto& [name, flag] : kSwitches)
-    if (is(name)) *flag = true;
-  const auto given = [&](int otherwise) { return number >= 0 ? number : otherwise; };
-  if (is("late")) faults_.late = given(10);
-  if (is("duplicate")) faults_.duplicate = given(10);
-  if (is("reorder")) faults_.reorder = given(10);
-  if (is("skip")) machine_.skip = static_cast<std::uint64_t>(given(10));
-  if (is("rsi_error")) machine_.rsi_error = given(4);
-  if (is("small_limit")) machine_.hidden_limit = given(359);
-  if (is("old_rsi")) machine_.options().identity.rsi = 2;
-  if (is("seven")) machine_.options().identity.axes = 7;
-  if (is("close_eki")) eki_.drop();
-  if (is("power_off")) {
+void FarSide::order_on_wires(const wire::Order& order) {
+  faults_.take(order);
+  order.switch_on({{"again", &machine_.renew_clock},
+                   {"slow", &machine_.slow},
+                   {"mute", &faults_.mute},
+                   {"nonsense", &faults_.nonsense},
+                   {"busy", &faults_.busy},
+                   {"other_program", &faults_.other_program},
+                   {"refuse_start", &machine_.refuse_start},
+                   {"refuse_drives", &machine_.refuse_drives},
+                   {"locked_outputs", &machine_.locked_outputs},
+                   {"refuse_moves", &moves_.refuse},
+                   {"silent_halts", &moves_.confirms_not},
+                   {"power_off", &faults_.power_off}});
+  if (order.is("rsi_error")) machine_.rsi_error = order.number_or(4);
+  if (order.is("small_limit")) machine_.hidden_limit = order.number_or(359);
+  if (order.is("skip")) machine_.skip = static_cast<std::uint64_t>(order.number_or(10));
+  if (order.is("old_rsi")) machine_.options().identity.rsi = 2;
+  if (order.is("seven")) machine_.options().identity.axes = 7;
+  if (order.is("close_eki")) eki_.drop();
+  if (order.is("power_off")) {
     machine_.switch_drives(false);
     machine_.cancel_program();
     eki_.drop();
   }
-  if (is("healthy")) make_healthy();
+  if (order.is("healthy")) make_healthy();
 }
 
 void FarSide::make_healthy() {
@@ -164,42 +135,15 @@ void FarSide::make_healthy() {
   machine_.options().identity = options_.machine.identity;
 }
 
-void FarSide::hold_clock(bool on) {
-  clock_.hold(on);
-}
-
 bool FarSide::step(Nanoseconds patience) {
   return clock_.step(
       patience, [this] { return faults_.silent || faults_.power_off || faults_.stranger || !rsi_.waits(); });
 }
 
-std::pair<std::uint64_t, std::uint64_t> FarSide::sent() {
-  const auto lock = clock_.lock();
-  return {rsi_.packets(), rsi_.sent_clock()};
-}
-
-std::uint64_t FarSide::answers() {
-  const auto lock = clock_.lock();
-  return rsi_.answers();
-}
-
-std::uint64_t FarSide::requests() {
-  const auto lock = clock_.lock();
-  return eki_.requests();
-}
-
-bool FarSide::takes_moves() {
-  const auto lock = clock_.lock();
-  return moves_.is_open();
-}
-
 void FarSide::serve() {
   rsi_.serve();
   eki_.serve();
-  const bool runs = machine_.rsi();
-  if (runs == ran_) return;
-  ran_ = runs;
-  report(runs ? "RSI runs" : "RSI ended");
+  report_change(machine_.rsi(), "RSI runs", "RSI ended");
 }
 
 }  // namespace polyarm::kuka

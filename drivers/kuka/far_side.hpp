@@ -5,8 +5,7 @@
 #include <vector>
 
 #include "drivers/kuka/far_services.hpp"
-#include "drivers/wire/far_clock.hpp"
-#include "drivers/wire/orders.hpp"
+#include "drivers/wire/takes_orders.hpp"
 
 namespace polyarm::kuka {
 
@@ -23,47 +22,38 @@ struct FarSideOptions {
 };
 
 /// Runs on a thread of its own. Any thread may call.
-class FarSide {
+class FarSide : public wire::TakesOrders<FarSide> {
  public:
   /// Throws Error("no-port"), Error("bad-value").
   explicit FarSide(FarSideOptions options);
-  FarSide(const FarSide&) = delete;
-  FarSide& operator=(const FarSide&) = delete;
 
   int eki_port() const { return eki_.port(); }
   void send_rsi_to(const std::string& host, int port);
 
-  /// Lets a fault happen, or an event that ends one: `KIND` or `KIND=NUMBER`. Throws Error("bad-value") with
-  /// the kinds.
-  void order(const std::string& fault);
-  /// The kinds with their meaning, one a line.
-  static std::string kinds();
-  /// The parameter `faults` of a driver with a controller of its own. Throws Error("bad-value").
-  static std::vector<wire::TimedOrder> timed_orders(const std::string& text);
-
-  /// The controller's clock stands still; step() moves it.
-  void hold_clock(bool on);
   /// One cycle. Waits until the last packet is answered, at most `patience` ns; false if no answer came.
   bool step(Nanoseconds patience = 0);
   /// Packets that went out, and the clock of the newest one.
-  std::pair<std::uint64_t, std::uint64_t> sent();
-  std::uint64_t packets() { return sent().first; }
-  std::uint64_t answers();
-  std::uint64_t requests();
+  std::pair<std::uint64_t, std::uint64_t> sent() {
+    return locked([this] { return std::pair{rsi_.packets(), rsi_.sent_clock()}; });
+  }
+  std::uint64_t answers() {
+    return locked([this] { return rsi_.answers(); });
+  }
+  std::uint64_t requests() {
+    return locked([this] { return eki_.requests(); });
+  }
   /// A session of moves is open.
-  bool takes_moves();
-  /// Looks at the machine, or changes it, between two cycles.
-  template <typename Use>
-  auto with(Use use) {
-    const auto lock = clock_.lock();
-    return use(machine_);
+  bool takes_moves() {
+    return locked([this] { return moves_.is_open(); });
   }
 
  private:
+  friend wire::TakesOrders<FarSide>;
+  static constexpr const char* kOrderExample = "e_stop@3";
+  static std::span<const wire::OrderKind> order_kinds();
   void serve();
-  void report(const std::string& text) const;
-  void order_by_hand(const std::string& kind);
-  void order_on_wires(const std::string& kind, int number);
+  void order_by_hand(const wire::Order& order);
+  void order_on_wires(const wire::Order& order);
   void make_healthy();
 
   FarSideOptions options_;
@@ -72,7 +62,6 @@ class FarSide {
   FarFaults faults_;
   FarRsi rsi_;
   FarEki eki_;
-  bool ran_ = false;
   wire::FarClock clock_;
 };
 

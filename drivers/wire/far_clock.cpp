@@ -38,6 +38,11 @@ bool FarClock::step(Nanoseconds patience, const std::function<bool()>& ready) {
   return came;
 }
 
+void FarClock::settle() {
+  std::unique_lock lock(mutex_);
+  served_.wait(lock, [this, before = served_times_] { return served_times_ != before; });
+}
+
 /// Until something has come, or the cycle is due.
 void FarClock::await_work(Nanoseconds due) {
   std::vector<int> open{wake_.number()};
@@ -59,6 +64,7 @@ void FarClock::run() {
     await_work(due);
     const std::lock_guard lock(mutex_);
     controller_.serve();
+    ++served_times_;
     served_.notify_all();
     const Nanoseconds now = realtime::monotonic_now();
     if (now < due) continue;

@@ -37,6 +37,8 @@ class FarClock {
   /// One cycle. Waits until `ready`, which is called with the lock, at most `patience` ns; false if it was
   /// not.
   bool step(Nanoseconds patience, const std::function<bool()>& ready);
+  /// Waits until everything is taken that had come before.
+  void settle();
 
  private:
   void run();
@@ -47,6 +49,7 @@ class FarClock {
   std::mutex mutex_;
   std::condition_variable served_;
   bool held_ = false;
+  std::uint64_t served_times_ = 0;
   Descriptor wake_;
   std::atomic<bool> quit_{false};
   std::thread thread_;

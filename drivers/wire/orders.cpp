@@ -17,6 +17,16 @@ std::string order_list(std::span<const OrderKind> kinds) {
   return out;
 }
 
+void Order::switch_on(std::initializer_list<Switch> switches) const {
+  for (const Switch& one : switches)
+    if (is(one.name)) *one.on = true;
+}
+
+void Order::set_count(std::initializer_list<Count> counts) const {
+  for (const Count& one : counts)
+    if (is(one.name)) *one.count = number_or(one.otherwise);
+}
+
 Order parse_order(const std::string& text, std::span<const OrderKind> kinds) {
   const std::size_t equals = text.find('=');
   Order out{std::string(trim(text.substr(0, equals)))};

@@ -5,7 +5,9 @@
 #include <string>
 #include <utility>
 
+#include "drivers/wire/signals.hpp"
 #include "drivers/wire/simulated.hpp"
+#include "polyarm/base/text.hpp"
 #include "polyarm/hardware/component.hpp"
 
 namespace polyarm::wire {
@@ -26,6 +28,12 @@ inline hardware::ComponentContext beside_its_controller(hardware::ComponentConte
   return context;
 }
 
+/// Of the packet that a sample of a link was made from.
+template <class Sample>
+std::uint64_t sequence_of(const Sample& sample) noexcept {
+  return sample.sequence;
+}
+
 /// While the component is active, the controller's clock stands still between two cycles of the loop, so that
 /// a run repeats itself, as fast as the machine can. `Driver` is a wire::StreamComponent; the derived class
 /// makes the far side in on_init(), and calls step() in each read().
@@ -42,24 +50,41 @@ class SimulatedComponent : public Driver {
     const hardware::CallbackReturn done = Driver::on_activate();
     if (done != hardware::CallbackReturn::success) return done;
     far_->hold_clock(true);
+    cycles_ = 0;
     stepped_ = true;
     return done;
   }
   hardware::CallbackReturn on_deactivate() override {
     if (!stepped_.exchange(false)) return Driver::on_deactivate();
-    const Stepper<FarSide> stepper(*far_, kDisturbed);
+    const Stepper<FarSide> stepper(*far_, braking_);
     return Driver::on_deactivate();
   }
   hardware::CallbackReturn on_cleanup() override {
     if (!far_) return hardware::CallbackReturn::success;
     if (!stepped_.exchange(false)) return Driver::on_cleanup();
-    const Stepper<FarSide> stepper(*far_, kDisturbed);
+    const Stepper<FarSide> stepper(*far_, braking_);
     return Driver::on_cleanup();
   }
   bool real() const noexcept override { return false; }
   FarSide& far_side() { return *far_; }
 
  protected:
+  /// Orders the parameter `faults`, and connects `wires` as `wire_of(text)` reads each of them: OUTPUT and
+  /// INPUT. Throws Error("bad-value").
+  template <typename WireOf>
+  void take_parameters(const hardware::ComponentContext& context, WireOf wire_of) {
+    for (const std::string& text : split_words(given(context, "wires"), " ,;")) {
+      const auto wire = wire_of(text);
+      far_->with([&](auto& machine) { machine.wire_output(wire.first, wire.second); });
+    }
+    faults_ = DueOrders(FarSide::timed_orders(given(context, "faults")));
+  }
+  /// The same for signals with numbers from `least` to `most`.
+  void take_parameters(const hardware::ComponentContext& context, int most, int least) {
+    take_parameters(context, [&](const std::string& text) { return signal_wire(text, most, least); });
+  }
+  /// True in the first cycle after activating, and in every `cycles`-th from there.
+  bool is_due(std::uint64_t cycles) noexcept { return cycles_++ % cycles == 0; }
   /// One cycle of the controller, until its packet is there.
   void step(double period) noexcept {
     if (!stepped_) return;
@@ -89,6 +114,7 @@ class SimulatedComponent : public Driver {
   }
   std::unique_ptr<FarSide> far_;
   DueOrders faults_;
+  Nanoseconds braking_ = kDisturbed;  ///< a cycle of a stop waits so long for the driver's answer
 
  private:
   static constexpr Nanoseconds kTimeout = 5'000'000'000, kDisturbed = 20'000'000;
@@ -101,10 +127,11 @@ class SimulatedComponent : public Driver {
     }
     do {
       this->link()->fetch();
-      if (this->link()->sample().sequence >= sequence) return;
+      if (sequence_of(this->link()->sample()) >= sequence) return;
     } while (this->link()->await(kTimeout) && this->link()->cause() == decltype(this->cause()){});
   }
   std::atomic<bool> stepped_{false};
+  std::uint64_t cycles_ = 0;
 };
 
 }  // namespace polyarm::wire

@@ -26,6 +26,19 @@ sockaddr_in name_of(const UdpAddress& address) noexcept {
 
 }  // namespace
 
+std::optional<UdpAddress> udp_address(const std::string& host, int port) {
+  in_addr address{};
+  if (::inet_pton(AF_INET, host.c_str(), &address) != 1 || port < 1 || port > 65535) return std::nullopt;
+  return UdpAddress{address.s_addr, htons(static_cast<std::uint16_t>(port))};
+}
+
+std::string host_text(const UdpAddress& address) {
+  char out[INET_ADDRSTRLEN] = "";
+  const in_addr host{address.host};
+  ::inet_ntop(AF_INET, &host, out, sizeof out);
+  return out;
+}
+
 Descriptor connect_udp(const std::string& host, int port, std::string& why) {
   addrinfo wanted{}, *list = nullptr;
   wanted.ai_family = AF_INET;

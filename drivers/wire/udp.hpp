@@ -3,6 +3,7 @@
 /// non-blocking and closes on exec.
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <string>
 
@@ -17,6 +18,10 @@ struct UdpAddress {
   std::uint16_t port = 0;  ///< network byte order
   friend bool operator==(const UdpAddress&, const UdpAddress&) = default;
 };
+/// Of an IPv4 address as text; nothing if either is none.
+std::optional<UdpAddress> udp_address(const std::string& host, int port);
+/// "10.0.0.1". Allocates.
+std::string host_text(const UdpAddress& address);
 
 /// A socket that sends to one peer and receives from that peer only. On failure empty, with the reason in
 /// `why`. Nothing is sent: a peer that does not exist shows only later. Allocates.

@@ -3,9 +3,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "drivers/wire/signals.hpp"
 #include "polyarm/base/error.hpp"
-#include "polyarm/base/text.hpp"
 
 namespace polyarm::xarm {
 
@@ -38,21 +36,11 @@ CallbackReturn FakeXarm::on_init(const hardware::ComponentContext& context) {
   options.ports = {0, 0, 0, 0};
   options.real_ms = options.machine.cycle_ms;
   far_ = std::make_unique<FarSide>(options);
-  for (const std::string& text : split_words(wire::given(context, "wires"), " ,;")) {
-    const auto [output, input] = wire::signal_wire(text, kMostSignals - 1, 0);
-    far_->with([&, output = output, input = input](Machine& machine) { machine.wire_output(output, input); });
-  }
-  faults_ = wire::DueOrders(FarSide::timed_orders(wire::given(context, "faults")));
+  take_parameters(context, kMostSignals - 1, 0);
   hardware::ComponentContext own = wire::beside_its_controller(context);
   own.parameters["command_port"] = std::to_string(far_->ports().command);
   own.parameters["report_port"] = std::to_string(far_->ports().real);
   return XarmComponent::on_init(own);
-}
-
-CallbackReturn FakeXarm::on_activate() {
-  const CallbackReturn done = SimulatedComponent::on_activate();
-  if (done == CallbackReturn::success) cycles_ = 0;
-  return done;
 }
 
 /// The controller moves on when it has every command, and the loop when the driver has its report.
@@ -60,7 +48,7 @@ hardware::ReturnType FakeXarm::read(const hardware::Cycle& cycle, std::span<doub
   if (active_) link()->settle(kAnswer);
   step(seconds(cycle.period));
   if (active_) link()->settle(kAnswer);
-  if (cycles_++ % kServices == 0) link()->serve_services();
+  if (is_due(kServices)) link()->serve_services();
   return XarmComponent::read(cycle, states);
 }
 

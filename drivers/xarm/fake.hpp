@@ -16,12 +16,8 @@ class FakeXarm : public wire::SimulatedComponent<XarmComponent, FarSide> {
  public:
   FakeXarm() { stepped_link_ = true; }
   hardware::CallbackReturn on_init(const hardware::ComponentContext& context) override;
-  hardware::CallbackReturn on_activate() override;
   hardware::ReturnType read(const hardware::Cycle& cycle, std::span<double> states) noexcept override;
   std::string summary() const override;
-
- private:
-  std::uint64_t cycles_ = 0;
 };
 
 }  // namespace polyarm::xarm

@@ -59,73 +59,50 @@ FarSide::FarSide(FarSideOptions options)
                 [] { return false; }, [this] { ux_.cycle(); }});
 }
 
-std::string FarSide::kinds() {
-  return wire::order_list(kKinds);
+std::span<const wire::OrderKind> FarSide::order_kinds() {
+  return kKinds;
 }
 
-std::vector<wire::TimedOrder> FarSide::timed_orders(const std::string& text) {
-  return wire::parse_timed_orders(text, "e_stop@3", kKinds);
+void FarSide::order_by_hand(const wire::Order& order) {
+  if (order.is("e_stop")) machine_.emergency(std::clamp(order.number_or(1), 1, 3), true);
+  if (order.is("release")) machine_.emergency(0, false);
+  if (order.is("error")) machine_.raise_error(std::clamp(order.number_or(31), 1, 255));
+  if (order.is("warning")) machine_.raise_warning(std::clamp(order.number_or(14), 1, 255));
+  if (order.is("clear")) machine_.answer({0, kPrivateProtocol, Register::clean_error, {}});
+  if (order.is("pause")) machine_.set_state(static_cast<int>(State::paused));
+  if (order.is("stop")) machine_.set_state(static_cast<int>(State::stopped));
+  if (order.is("ready")) machine_.set_state(0);
+  if (order.is("teach")) machine_.set_mode(static_cast<int>(Mode::joint_teach));
+  if (order.is("mode")) machine_.set_mode(std::clamp(order.number_or(0), 0, 7));
+  if (order.is("motors_off")) machine_.switch_motors(false);
+  if (order.is("push")) machine_.push_by_hand({static_cast<double>(order.number_or(5)), 0, 0, 0, 0, 0, 0});
 }
 
-void FarSide::report(const std::string& text) const {
-  if (options_.report) options_.report(text);
-}
-
-void FarSide::order(const std::string& fault) {
-  const auto [kind, given] = wire::parse_order(fault, kKinds);
-  const auto lock = clock_.lock();
-  order_by_hand(kind, given);
-  order_on_wires(kind, given);
-  report("ordered: " + fault);
-}
-
-void FarSide::order_by_hand(const std::string& kind, int number) {
-  const auto is = [&](const char* name) { return kind == name; };
-  const auto given = [&](int otherwise) { return number >= 0 ? number : otherwise; };
-  if (is("e_stop")) machine_.emergency(std::clamp(given(1), 1, 3), true);
-  if (is("release")) machine_.emergency(0, false);
-  if (is("error")) machine_.raise_error(std::clamp(given(31), 1, 255));
-  if (is("warning")) machine_.raise_warning(std::clamp(given(14), 1, 255));
-  if (is("clear")) machine_.answer({0, kPrivateProtocol, Register::clean_error, {}});
-  if (is("pause")) machine_.set_state(static_cast<int>(State::paused));
-  if (is("stop")) machine_.set_state(static_cast<int>(State::stopped));
-  if (is("ready")) machine_.set_state(0);
-  if (is("teach")) machine_.set_mode(static_cast<int>(Mode::joint_teach));
-  if (is("mode")) machine_.set_mode(std::clamp(given(0), 0, 7));
-  if (is("motors_off")) machine_.switch_motors(false);
-  if (is("push")) machine_.push_by_hand({static_cast<double>(given(5)), 0, 0, 0, 0, 0, 0});
-}
-
-void FarSide::order_on_wires(const std::string& kind, int number) {
-  const auto is = [&](const char* name) { return kind == name; };
-  const std::pair<const char*, bool*> kSwitches[] = {{"other_moves", &machine_.other_moves},
-                                                     {"refuse_enable", &machine_.refuse_enable},
-                                                     {"refuse_mode", &machine_.refuse_mode},
-                                                     {"refuse_state", &machine_.refuse_state},
-                                                     {"refuse_servo", &machine_.refuse_servo},
-                                                     {"locked_outputs", &machine_.locked_outputs},
-                                                     {"silent", &faults_.silent},
-                                                     {"nonsense", &faults_.nonsense},
-                                                     {"short_report", &faults_.short_report},
-                                                     {"not_a_number", &faults_.not_a_number},
-                                                     {"mute", &faults_.mute},
-                                                     {"bad_answer", &faults_.bad_answer},
-                                                     {"other_register", &faults_.other_register},
-                                                     {"twice", &faults_.twice},
-                                                     {"power_off", &faults_.power_off}};
-  for (const auto& [name, flag] : kSwitches)
-    if (is(name)) *flag = true;
-  const auto given = [&](int otherwise) { return number >= 0 ? number : otherwise; };
-  if (is("other_axes")) machine_.other_axes = std::clamp(given(7), 1, 7);
-  if (is("late")) faults_.late = given(10);
-  if (is("late_answers")) faults_.late_answers = given(5);
-  if (is("close_command")) ux_.drop_commands();
-  if (is("close_report")) ux_.drop_reports();
-  if (is("power_off")) {
+void FarSide::order_on_wires(const wire::Order& order) {
+  order.switch_on({{"other_moves", &machine_.other_moves},
+                   {"refuse_enable", &machine_.refuse_enable},
+                   {"refuse_mode", &machine_.refuse_mode},
+                   {"refuse_state", &machine_.refuse_state},
+                   {"refuse_servo", &machine_.refuse_servo},
+                   {"locked_outputs", &machine_.locked_outputs},
+                   {"silent", &faults_.silent},
+                   {"nonsense", &faults_.nonsense},
+                   {"short_report", &faults_.short_report},
+                   {"not_a_number", &faults_.not_a_number},
+                   {"mute", &faults_.mute},
+                   {"bad_answer", &faults_.bad_answer},
+                   {"other_register", &faults_.other_register},
+                   {"twice", &faults_.twice},
+                   {"power_off", &faults_.power_off}});
+  if (order.is("other_axes")) machine_.other_axes = std::clamp(order.number_or(7), 1, 7);
+  order.set_count({{"late", &faults_.late, 10}, {"late_answers", &faults_.late_answers, 5}});
+  if (order.is("close_command")) ux_.drop_commands();
+  if (order.is("close_report")) ux_.drop_reports();
+  if (order.is("power_off")) {
     machine_.switch_motors(false);
     ux_.drop_all();
   }
-  if (is("healthy")) make_healthy();
+  if (order.is("healthy")) make_healthy();
 }
 
 void FarSide::make_healthy() {
@@ -139,22 +116,9 @@ bool FarSide::step(Nanoseconds patience) {
   return clock_.step(std::min(patience, kPatience), [this] { return !machine_.awaits_target(); });
 }
 
-std::pair<std::uint64_t, std::uint64_t> FarSide::sent() {
-  const auto lock = clock_.lock();
-  return {ux_.reports(), ux_.newest()};
-}
-
-std::uint64_t FarSide::requests() {
-  const auto lock = clock_.lock();
-  return ux_.requests();
-}
-
 void FarSide::serve() {
   ux_.serve();
-  const bool ready = machine_.is_ready();
-  if (ready == ready_) return;
-  ready_ = ready;
-  report(ready ? "ready for motion" : "not ready for motion");
+  report_change(machine_.is_ready(), "ready for motion", "not ready for motion");
 }
 
 }  // namespace polyarm::xarm
