@@ -23,9 +23,9 @@ namespace {
 constexpr double kDegrees = 180 / std::numbers::pi, kNaN = std::numeric_limits<double>::quiet_NaN();
 // The controller judges no acceleration or jerk of EGM; these shares of the description's limits are for
 // braking, and for commands that jump.
-constexpr double kAcceleration = 2, kJerk = 8;
+constexpr wire::LimitShares kLimits{
+    .acceleration = 2, .jerk = 8, .acceleration_else = 400, .jerk_else = 20000};  // degrees, seconds
 constexpr double kShownSpeed = 1;  // rad/s, of a jog at the FlexPendant
-constexpr double kAccelerationElse = 400, kJerkElse = 20000;  // degrees, seconds; without limits there
 
 using hardware::DriverParameter;
 using enum hardware::ParameterKind;
@@ -116,20 +116,6 @@ std::string password_of(const std::string& file) {
 
 }  // namespace
 
-void AbbComponent::find_limits(const hardware::RobotInstance& robot, double max_speed) {
-  auto& [velocity, acceleration, jerk] = settings_.limits.of;
-  velocity.fill(max_speed);
-  acceleration.fill(kAccelerationElse);
-  jerk.fill(kJerkElse);
-  if (!robot.model) return;
-  for (std::size_t i = 0; i < joints_.size(); ++i)
-    for (const description::Joint& joint : robot.model->joints)
-      if (joint.name == joints_[i]) {
-        if (const auto a = joint.limits.acceleration) acceleration[i] = kAcceleration * *a * kDegrees;
-        if (const auto j = joint.limits.jerk) jerk[i] = kJerk * *j * kDegrees;
-      }
-}
-
 CallbackReturn AbbComponent::on_init(const hardware::ComponentContext& context) {
   name_ = context.name;
   period_ = context.period;
@@ -153,16 +139,14 @@ CallbackReturn AbbComponent::on_init(const hardware::ComponentContext& context) 
   if (stepped_services_) settings_.rws.interval = 0;
   settings_.motors_on = p.boolean("motors_on");
   settings_.speed_reference = p.boolean("speed_reference");
-  settings_.most_behind = p.number("max_behind");
-  settings_.silence = nanoseconds(p.number("silence_ms") / 1000);
-  settings_.loop_silence = nanoseconds(p.number("loop_silence_ms") / 1000);
-  settings_.start_timeout = nanoseconds(p.number("start_timeout"));
+  settings_.read(p);
   steps_ = wire::StepCheck(p.number("max_step"));
   constexpr const char* kTakes[] = {"position"};
   joints_ = wire::driven_joints(context, kTakes, "robots of ABB", p.problems());
   p.problems().throw_if_errors();
   robot_ = context.robots.front().name;
-  find_limits(context.robots.front(), p.number("max_speed"));
+  settings_.limits =
+      wire::stream_limits<6>(context.robots.front(), joints_, p.number("max_speed"), kLimits, kDegrees);
   http.password = password_of(p.text("password_file"));
   settings_.inputs = signals_of("digital_in", p.text("digital_in"));
   settings_.outputs = signals_of("digital_out", p.text("digital_out"));

@@ -38,7 +38,6 @@ class AbbComponent : public wire::StreamComponent<Link, Cause> {
 
  private:
   const wire::Six& shown_position(bool guided, double dt) noexcept;
-  void find_limits(const hardware::RobotInstance& robot, double max_speed);
 
   LinkSettings settings_;
   std::string name_, robot_;

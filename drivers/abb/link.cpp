@@ -62,12 +62,6 @@ void Link::run() {
   }
 }
 
-void Link::set_phase(Phase phase) {
-  const std::lock_guard lock(mutex_);
-  phase_ = phase;
-  changed_.notify_all();
-}
-
 /// The first sender of a session is the controller; its address must be that of the services.
 bool Link::is_controller(const wire::UdpAddress& from) {
   if (from.host == controller_ && (fresh_ || from == sender_)) {
@@ -233,11 +227,8 @@ void Link::take_command(Nanoseconds now) {
   current_.shaped = shaper_.shaped();
   send(next, shaper_.velocity());
   pacer_.sent();
-  if (current_.behind > settings_.most_behind) {
-    if (late_) return note(Cause::loop_silent);  // what is behind was lost while no command came
-    const std::size_t axis = shaper_.axis_behind();
-    note(Cause::too_fast, static_cast<int>(3 * axis) + static_cast<int>(shaper_.exceeded(axis)));
-  }
+  // If it was late, what is behind was lost while no command came.
+  judge_behind(shaper_, current_.behind, settings_.most_behind, late_ ? Cause::loop_silent : Cause::none);
 }
 
 Link::Sign Link::sign_of() const noexcept {

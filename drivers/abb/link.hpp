@@ -16,7 +16,6 @@
 #include "drivers/wire/pacer.hpp"
 #include "drivers/wire/shaper.hpp"
 #include "drivers/wire/udp.hpp"
-#include "polyarm/realtime/latest.hpp"
 
 namespace polyarm::abb {
 
@@ -60,7 +59,7 @@ struct Outputs {
   Outputs() noexcept;
 };
 
-struct LinkSettings {
+struct LinkSettings : wire::StreamSettings {
   RwsSettings rws;
   std::string egm_address;  ///< of this machine; empty: the one that reaches the controller
   int egm_port = 6510;
@@ -69,23 +68,13 @@ struct LinkSettings {
   std::vector<std::string> inputs, outputs;  ///< names of signals
   bool motors_on = true;                     ///< activating may switch the motors on
   bool speed_reference = true;               ///< commands carry the velocity too
-  bool follows = true;                       ///< the loop gives one command for each packet
-  bool stepped = false;                      ///< states and signals are asked for by serve_services() alone
   wire::AxisLimits limits;                   ///< degrees, of commands
-  Nanoseconds start_timeout = 10'000'000'000;
-  Nanoseconds silence = 200'000'000;       ///< without a packet, until the link counts as lost
-  Nanoseconds loop_silence = 100'000'000;  ///< without a command of the loop, until the robot is braked
-  double most_behind = 0.05;               ///< rad, that the shaper may be behind
 };
 
-/// open(), close(), start() and stop() come from one thread at a time and may wait; the calls marked control
-/// thread do not.
-class Link : public wire::LinkBase<Cause> {
+class Link : public wire::StreamLink<wire::LinkBase<Cause>, Sample, Panel> {
  public:
   explicit Link(LinkSettings settings);
   ~Link() { close(); }
-  Link(const Link&) = delete;
-  Link& operator=(const Link&) = delete;
 
   /// Connects, reads version, options, states and signals. Nothing moves. False: see reason().
   bool open();
@@ -98,12 +87,6 @@ class Link : public wire::LinkBase<Cause> {
   void serve_services();
 
   // --- control thread; nothing waits, locks or allocates ---
-  bool fetch() noexcept {
-    panels_.fetch();
-    return samples_.fetch();
-  }
-  const Sample& sample() const noexcept { return samples_.value(); }
-  const Panel& panel() const noexcept { return panels_.value(); }
   /// The newest command, rad. Without `move` the robot holds where it was commanded last.
   void command(bool move, const Six& joints) noexcept;
   void outputs(const Outputs& outputs) noexcept { outputs_.write(outputs); }
@@ -120,7 +103,6 @@ class Link : public wire::LinkBase<Cause> {
     std::uint64_t count = 0;  ///< of the packet that the loop had read
     Six joints{};             ///< degrees
   };
-  enum class Phase : std::uint8_t { idle, starting, streaming, ending };
   /// What made the robot stop, as EGM shows it.
   enum class Sign : std::uint8_t { none, motors, program, egm, error, silence, restart };
 
@@ -163,7 +145,6 @@ class Link : public wire::LinkBase<Cause> {
   Sign sign_of() const noexcept;
   Cause cause_of(Sign sign) const noexcept;
   void end(Nanoseconds now);
-  void set_phase(Phase phase);
 
   // the thread of Robot Web Services; link_services.cpp
   void run_services();
@@ -187,14 +168,11 @@ class Link : public wire::LinkBase<Cause> {
   Panel current_panel_;
   int round_ = 0, failures_ = 0;
 
-  realtime::Latest<Sample> samples_;
-  realtime::Latest<Panel> panels_;
   realtime::Latest<Wanted> commands_;
   realtime::Latest<Outputs> outputs_;
   std::atomic<Sign> asked_{Sign::none};  // the services shall say why
   std::atomic<bool> strange_{false};     // somebody else sends to EGM's port
 
-  std::atomic<Phase> phase_{Phase::idle};  // changed with mutex_
   std::atomic<bool> stop_wanted_{false};
 
   // EGM's thread
@@ -211,7 +189,6 @@ class Link : public wire::LinkBase<Cause> {
   Nanoseconds heard_ = 0, ending_since_ = 0, began_ = 0, sign_since_ = 0;
   Cause unusable_ = Cause::none;  // what makes the packets of a start useless; with mutex_
   int unusable_detail_ = 0;
-  std::atomic<bool> quit_{false};
   std::thread thread_, services_;
 };
 

@@ -23,7 +23,7 @@ Outputs::Outputs() noexcept : speed_ratio(std::numeric_limits<double>::quiet_NaN
 }
 
 Link::Link(LinkSettings settings)
-    : LinkBase("the controller at " + settings.rws.http.host),
+    : StreamLink("the controller at " + settings.rws.http.host),
       settings_(std::move(settings)),
       services_wake_(::eventfd(0, EFD_NONBLOCK | EFD_CLOEXEC)),
       rws_(settings_.rws),

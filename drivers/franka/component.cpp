@@ -203,11 +203,7 @@ CallbackReturn FrankaComponent::on_init(const hardware::ComponentContext& contex
   settings_.stepped = stepped_link_;
   settings_.recover = p.boolean("recover");
   settings_.least_success = p.number("least_success");
-  settings_.most_behind = p.number("max_behind");
-  settings_.silence = nanoseconds(p.number("silence_ms") / 1000);
-  settings_.loop_silence = nanoseconds(p.number("loop_silence_ms") / 1000);
-  settings_.timeout = nanoseconds(p.number("connect_timeout"));
-  settings_.start_timeout = nanoseconds(p.number("start_timeout"));
+  settings_.read(p);
   steps_ = wire::StepCheckOf<7>(p.number("max_step"));
   const bool by_velocity = command == "velocity";
   const char* const takes[] = {by_velocity ? "velocity" : "position"};
@@ -273,7 +269,7 @@ ReturnType FrankaComponent::read(const hardware::Cycle&, std::span<double> state
         static_cast<double>(sample.shaped)})
     states[at++] = value;
   if (settings_.hand.used) {
-    const auto& [hand, busy] = link_->hand();
+    const auto& [hand, busy] = link_->panel();
     for (const double value :
          {hand.width, hand.max_width, bit(hand.grasped), bit(busy), static_cast<double>(hand.temperature)})
       states[at++] = value;

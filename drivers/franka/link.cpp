@@ -1,7 +1,6 @@
 /// What a link does while it is open: the thread that answers states and takes replies.
 #include "drivers/franka/link.hpp"
 
-#include <arpa/inet.h>
 #include <poll.h>
 
 #include <algorithm>
@@ -27,14 +26,6 @@ constexpr double kStill = 0.005;             // rad/s, measured
 constexpr double kStopCycles = 3;            // until a stop begins
 constexpr std::size_t kMostReplies = 16;
 constexpr std::uint64_t kJudged = 200;  // answers until the share of those in time counts
-
-std::string text_of(const wire::UdpAddress& address) {
-  char out[INET_ADDRSTRLEN] = "";
-  in_addr host{};
-  host.s_addr = address.host;
-  ::inet_ntop(AF_INET, &host, out, sizeof out);
-  return out;
-}
 
 }  // namespace
 
@@ -79,8 +70,7 @@ void Link::begin_session(Nanoseconds now) {
   const std::lock_guard lock(mutex_);
   motion_.reset();
   motion_reply_.reset();
-  renew_ = false;
-  changed_.notify_all();
+  renewed();
 }
 
 // --- replies ----------------------------------------------------------------------------------------------
@@ -113,7 +103,7 @@ bool Link::is_robot(const wire::UdpAddress& from) {
   }
   if (++current_.strangers == 1) {
     const std::lock_guard lock(mutex_);
-    stranger_ = text_of(from);
+    stranger_ = wire::host_text(from);
   }
   return false;
 }
@@ -298,10 +288,8 @@ void Link::fit_limits(const Seven& wanted) noexcept {
 
 /// The way of a stop from a speed, rad.
 double Link::stopping_way(std::size_t joint, double velocity) const noexcept {
-  const double v = std::abs(velocity);
-  const double a = limits_.at(wire::LimitKind::acceleration, joint);
-  const double j = limits_.at(wire::LimitKind::jerk, joint);
-  return v * (v / a + a / j) / 2 + v * kStopCycles * kPeriod;
+  return wire::stopping_way(velocity, limits_.at(wire::LimitKind::acceleration, joint),
+                            limits_.at(wire::LimitKind::jerk, joint), kStopCycles * kPeriod);
 }
 
 /// What the robot would raise a reflex for is not sent: the robot comes to rest before it.
@@ -335,10 +323,7 @@ void Link::go_on() {
   current_.behind = shaper_.behind();
   current_.shaped = shaper_.shaped();
   late_ = late_ && current_.behind > 0;
-  if (current_.behind <= settings_.most_behind) return;
-  if (late_) return note(Cause::loop_silent);
-  const std::size_t axis = shaper_.axis_behind();
-  note(Cause::too_fast, static_cast<int>(3 * axis) + static_cast<int>(shaper_.exceeded(axis)));
+  judge_behind(shaper_, current_.behind, settings_.most_behind, late_ ? Cause::loop_silent : Cause::none);
 }
 
 /// A command answers the state that the loop had read. If it does not come within its share of the cycle, a

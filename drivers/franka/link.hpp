@@ -16,7 +16,6 @@
 #include "drivers/franka/velocity.hpp"
 #include "drivers/wire/link_base.hpp"
 #include "drivers/wire/udp.hpp"
-#include "polyarm/realtime/latest.hpp"
 
 namespace polyarm::franka {
 
@@ -45,7 +44,7 @@ struct RobotSettings {
   std::optional<std::array<bool, 7>> guiding;  ///< x y z, about x y z, elbow
 };
 
-struct LinkSettings {
+struct LinkSettings : wire::StreamSettings {
   std::string host;
   int port = kRobotPort;
   int version = 0;  ///< of the interface that is tried first; 0: the newest
@@ -54,25 +53,15 @@ struct LinkSettings {
   RobotSettings robot;
   HandSettings hand;
   bool recover = true;           ///< activating recovers from an error
-  bool follows = true;           ///< the loop gives one command for each state
-  bool stepped = false;          ///< the robot's clock waits for answers; serve_hand() is called
   Seven lower{}, upper{};        ///< rad, of the joints; equal: no range
   wire::AxisLimitsOf<7> limits;  ///< of commands, beside those of the robot
   double least_success = 0;      ///< share of commands in time; 0: it is not judged
-  Nanoseconds timeout = 2'000'000'000, start_timeout = 10'000'000'000;
-  Nanoseconds silence = 100'000'000;       ///< without a state
-  Nanoseconds loop_silence = 100'000'000;  ///< without a command of the loop, until the robot is braked
-  double most_behind = 0.05;               ///< rad, that the shaper may be behind
 };
 
-/// open(), close(), start() and stop() come from one thread at a time and may wait; the calls marked control
-/// thread do not.
-class Link : public wire::LinkBase<Cause> {
+class Link : public wire::StreamLink<wire::LinkBase<Cause>, Sample, HandPanel> {
  public:
   explicit Link(LinkSettings settings);
   ~Link() { close(); }
-  Link(const Link&) = delete;
-  Link& operator=(const Link&) = delete;
 
   /// Connects and reads states. Nothing moves. False: see reason().
   bool open();
@@ -85,12 +74,6 @@ class Link : public wire::LinkBase<Cause> {
   void serve_hand(std::uint32_t id);
 
   // --- control thread; nothing waits, locks or allocates ---
-  bool fetch() noexcept {
-    hand_panels_.fetch();
-    return samples_.fetch();
-  }
-  const Sample& sample() const noexcept { return samples_.value(); }
-  const HandPanel& hand() const noexcept { return hand_panels_.value(); }
   /// The newest command: rad, or rad/s for a motion by velocities. Without `move` the robot comes to rest.
   void command(bool move, const Seven& joints) noexcept;
   void hand_wish(const HandWish& wish) noexcept { wishes_.write(wish); }
@@ -106,7 +89,6 @@ class Link : public wire::LinkBase<Cause> {
     std::uint64_t id = 0;  ///< of the state that the loop had read
     Seven joints{};
   };
-  enum class Phase : std::uint8_t { idle, starting, streaming, ending };
 
   // how it begins and ends; link_setup.cpp
   bool connect();
@@ -170,15 +152,10 @@ class Link : public wire::LinkBase<Cause> {
   Descriptor hand_wake_;
   HandWish hand_wish_;
 
-  realtime::Latest<Sample> samples_;
-  realtime::Latest<HandPanel> hand_panels_;
   realtime::Latest<Wanted> commands_;
   realtime::Latest<HandWish> wishes_;
 
-  std::atomic<Phase> phase_{Phase::idle};  // changed with mutex_
-  std::atomic<bool> renew_{false};         // the thread begins a session
-  std::atomic<bool> stands_{true};         // what is ending stands, or is out of reach
-  std::atomic<bool> over_{false};          // the robot ended the motion
+  std::atomic<bool> over_{false};  // the robot ended the motion
   std::atomic<std::uint64_t> states_seen_{0};
   std::atomic<RobotMode> mode_{RobotMode::idle};
   std::string stranger_;                    // address of another sender; with mutex_
@@ -203,7 +180,6 @@ class Link : public wire::LinkBase<Cause> {
   int puzzled_ = 0;  ///< states since the motion ended for no known reason
   Nanoseconds heard_ = 0, commanded_at_ = 0, ending_since_ = 0;
 
-  std::atomic<bool> quit_{false};
   std::thread thread_, hand_thread_;
 };
 

@@ -25,7 +25,7 @@ Data as_numbers(const Values& values) {
 }  // namespace
 
 Link::Link(LinkSettings settings)
-    : LinkBase("the controller at " + settings.host),
+    : StreamLink("the controller at " + settings.host),
       settings_(std::move(settings)),
       port_(settings_.host, settings_.port),
       hand_(settings_.host, settings_.hand),
@@ -227,9 +227,7 @@ bool Link::refuse_motion(Status status) {
 
 bool Link::begin_motion() {
   std::unique_lock lock(mutex_);
-  renew_ = true;
-  wake();
-  changed_.wait(lock, [this] { return !renew_; });
+  renew(lock);
   phase_ = Phase::starting;
   MoveRequest move;
   move.controller = settings_.controller;
@@ -306,7 +304,7 @@ bool Link::open_hand() {
     return refuse(why.cause, why.detail, why.text);
   }
   hand_open_ = true;
-  hand_panels_.write({hand_.state(), false});
+  panels_.write({hand_.state(), false});
   if (!settings_.stepped) hand_thread_ = std::thread([this] { run_hand(); });
   return true;
 }
@@ -320,7 +318,7 @@ void Link::serve_hand(std::uint32_t id) {
     const Refusal& why = hand_.refusal();
     return note(why.cause, why.detail, why.text);
   }
-  hand_panels_.write({hand_.state(), hand_.busy()});
+  panels_.write({hand_.state(), hand_.busy()});
 }
 
 void Link::run_hand() {

@@ -23,8 +23,8 @@ constexpr double kRadians = std::numbers::pi / 180, kDegrees = 180 / std::number
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 // RSI applies each correction as it is; these shares of the description's limits are for braking, and for
 // commands that jump.
-constexpr double kAcceleration = 2, kJerk = 8;
-constexpr double kAccelerationElse = 400, kJerkElse = 20000;  // degrees, seconds; without limits there
+constexpr wire::LimitShares kLimits{
+    .acceleration = 2, .jerk = 8, .acceleration_else = 400, .jerk_else = 20000};  // degrees, seconds
 constexpr double kShownSpeed = 1;                             // rad/s, of a jog at the smartPAD
 
 using hardware::DriverParameter;
@@ -98,20 +98,6 @@ double bit(std::uint32_t word, int number) noexcept {
 
 }  // namespace
 
-void KukaComponent::find_limits(const hardware::RobotInstance& robot, double max_speed) {
-  auto& [velocity, acceleration, jerk] = settings_.limits.of;
-  velocity.fill(max_speed);
-  acceleration.fill(kAccelerationElse);
-  jerk.fill(kJerkElse);
-  if (!robot.model) return;
-  for (std::size_t i = 0; i < joints_.size(); ++i)
-    for (const description::Joint& joint : robot.model->joints)
-      if (joint.name == joints_[i]) {
-        if (const auto a = joint.limits.acceleration) acceleration[i] = kAcceleration * *a * kDegrees;
-        if (const auto j = joint.limits.jerk) jerk[i] = kJerk * *j * kDegrees;
-      }
-}
-
 CallbackReturn KukaComponent::on_init(const hardware::ComponentContext& context) {
   name_ = context.name;
   period_ = context.period;
@@ -130,11 +116,7 @@ CallbackReturn KukaComponent::on_init(const hardware::ComponentContext& context)
   settings_.follows = paced_ || follows_;
   settings_.stepped = stepped_link_;
   settings_.drives_on = p.boolean("drives_on");
-  settings_.most_behind = p.number("max_behind");
-  settings_.silence = nanoseconds(p.number("silence_ms") / 1000);
-  settings_.loop_silence = nanoseconds(p.number("loop_silence_ms") / 1000);
-  settings_.timeout = nanoseconds(p.number("connect_timeout"));
-  settings_.start_timeout = nanoseconds(p.number("start_timeout"));
+  settings_.read(p);
   steps_ = wire::StepCheck(p.number("max_step"));
   constexpr const char* kTakes[] = {"position"};
   joints_ = wire::driven_joints(context, kTakes, "robots of KUKA", p.problems());
@@ -146,7 +128,8 @@ CallbackReturn KukaComponent::on_init(const hardware::ComponentContext& context)
       wire::xml_text(settings_.sen_type) != settings_.sen_type)
     throw Error("bad-value", "`sen_type` is no name", "at most 32 letters, as SENTYPE in the file of RSI");
   robot_ = context.robots.front().name;
-  find_limits(context.robots.front(), p.number("max_speed"));
+  settings_.limits =
+      wire::stream_limits<6>(context.robots.front(), joints_, p.number("max_speed"), kLimits, kDegrees);
   const auto signals = [&](const char* parameter) {
     return wire::signal_range(parameter, p.text(parameter), static_cast<int>(kMostSignals));
   };

@@ -52,7 +52,6 @@ class KukaComponent : public wire::StreamComponent<Link, Cause>, public hardware
 
  private:
   const wire::Six& shown_position(bool guided, double dt) noexcept;
-  void find_limits(const hardware::RobotInstance& robot, double max_speed);
   void make_forward(const hardware::ComponentContext& context, hardware::DriverParameters& p);
   hardware::ReturnType read_forward(const hardware::Cycle& cycle, std::span<double> states) noexcept;
   hardware::ReturnType write_forward(std::span<const double> commands) noexcept;

@@ -28,14 +28,6 @@ constexpr double kStopCycles = 2;      // until a stop begins
 constexpr std::uint64_t kAnew = 1000;  // ms that the clock goes back when RSI begins anew
 constexpr int kSlow = 3;               // packets of another cycle in a row
 
-std::string text_of(const wire::UdpAddress& address) {
-  char out[INET_ADDRSTRLEN] = "";
-  in_addr host{};
-  host.s_addr = address.host;
-  ::inet_ntop(AF_INET, &host, out, sizeof out);
-  return out;
-}
-
 }  // namespace
 
 void Link::command(bool move, const Six& joints) noexcept {
@@ -67,12 +59,6 @@ void Link::run() {
   }
 }
 
-void Link::set_phase(Phase phase) {
-  const std::lock_guard lock(mutex_);
-  phase_ = phase;
-  changed_.notify_all();
-}
-
 /// What is left of an earlier session counts no more.
 void Link::begin_session(Nanoseconds now) {
   std::array<std::uint8_t, 64> dropped;
@@ -94,8 +80,7 @@ void Link::begin_session(Nanoseconds now) {
   const std::lock_guard lock(mutex_);
   unusable_ = Cause::none;
   stranger_.clear();
-  renew_ = false;
-  changed_.notify_all();
+  renewed();
 }
 
 /// The first sender of a session is the controller; its address must be that of its RSI network.
@@ -106,7 +91,7 @@ bool Link::is_controller(const wire::UdpAddress& from) {
   }
   if (++current_.strangers == 1) {
     const std::lock_guard lock(mutex_);
-    stranger_ = text_of(from);
+    stranger_ = wire::host_text(from);
   }
   return false;
 }
@@ -242,10 +227,9 @@ void Link::send(const Six& joints, bool stop) {
 
 /// The way of a stop from the present speed, degrees.
 double Link::stopping_way(std::size_t axis) const noexcept {
-  const double v = std::abs(shaper_.velocity()[axis]);
-  const double a = settings_.limits.at(wire::LimitKind::acceleration, axis);
-  const double j = settings_.limits.at(wire::LimitKind::jerk, axis);
-  return v * (v / a + a / j) / 2 + v * kStopCycles * settings_.cycle_ms / 1000;
+  return wire::stopping_way(
+      shaper_.velocity()[axis], settings_.limits.at(wire::LimitKind::acceleration, axis),
+      settings_.limits.at(wire::LimitKind::jerk, axis), kStopCycles * settings_.cycle_ms / 1000.0);
 }
 
 /// What the controller would end RSI for is not sent: the robot comes to rest before it.
@@ -272,10 +256,8 @@ void Link::go_on() {
   late_ = late_ && current_.behind > 0;
   current_.shaped = shaper_.shaped();
   send(next);
-  if (current_.behind <= settings_.most_behind) return;
-  if (late_) return note(Cause::loop_silent);  // what is behind was lost while no command came
-  const std::size_t axis = shaper_.axis_behind();
-  note(Cause::too_fast, static_cast<int>(3 * axis) + static_cast<int>(shaper_.exceeded(axis)));
+  // If it was late, what is behind was lost while no command came.
+  judge_behind(shaper_, current_.behind, settings_.most_behind, late_ ? Cause::loop_silent : Cause::none);
 }
 
 /// A command answers the packet that the loop had read. If it does not come within its share of the cycle, a

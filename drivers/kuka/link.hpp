@@ -11,10 +11,10 @@
 #include "drivers/kuka/eki_link.hpp"
 #include "drivers/kuka/rsi.hpp"
 #include "drivers/kuka/words.hpp"
+#include "drivers/wire/link_base.hpp"
 #include "drivers/wire/shaper.hpp"
 #include "drivers/wire/signals.hpp"
 #include "drivers/wire/udp.hpp"
-#include "polyarm/realtime/latest.hpp"
 
 namespace polyarm::kuka {
 
@@ -45,7 +45,7 @@ struct Outputs {
   Outputs() noexcept;
 };
 
-struct LinkSettings {
+struct LinkSettings : wire::StreamSettings {
   std::string host;
   bool eki = true;  ///< false: a person starts the program, and packets are answered from open() on
   int eki_port = 54600;
@@ -55,26 +55,16 @@ struct LinkSettings {
   std::string sen_type = kSenType;  ///< SENTYPE of the configuration of RSI
   int cycle_ms = 4;
   bool drives_on = true;  ///< activating may switch the drives on
-  bool follows = true;    ///< the loop gives one command for each packet
-  bool stepped = false;   ///< the controller's clock waits for answers; serve_services() asks for states
   bool relative = false;  ///< corrections for one cycle each; known from EthernetKRL, if there is one
   double correction_limit = 360;  ///< degrees; the same
   wire::SignalRange outputs;
   wire::AxisLimits limits;  ///< degrees, of commands
-  Nanoseconds timeout = 2'000'000'000, start_timeout = 10'000'000'000;
-  Nanoseconds silence = 100'000'000;       ///< without a packet, until the controller is asked why
-  Nanoseconds loop_silence = 100'000'000;  ///< without a command of the loop, until the robot is braked
-  double most_behind = 0.05;               ///< rad, that the shaper may be behind
 };
 
-/// open(), close(), start() and stop() come from one thread at a time and may wait; the calls marked control
-/// thread do not.
-class Link : public EkiLink {
+class Link : public wire::StreamLink<EkiLink, Sample, Panel> {
  public:
   explicit Link(LinkSettings settings);
   ~Link() { close(); }
-  Link(const Link&) = delete;
-  Link& operator=(const Link&) = delete;
 
   /// Connects, reads versions and states. Nothing moves. False: see reason().
   bool open();
@@ -87,12 +77,6 @@ class Link : public EkiLink {
   void serve_services();
 
   // --- control thread; nothing waits, locks or allocates ---
-  bool fetch() noexcept {
-    panels_.fetch();
-    return samples_.fetch();
-  }
-  const Sample& sample() const noexcept { return samples_.value(); }
-  const Panel& panel() const noexcept { return panels_.value(); }
   /// The newest command, rad. Without `move` the robot holds where it was commanded last.
   void command(bool move, const Six& joints) noexcept;
   void outputs(const Outputs& outputs) noexcept { outputs_.write(outputs); }
@@ -108,7 +92,6 @@ class Link : public EkiLink {
     std::uint64_t count = 0;  ///< of the packet that the loop had read
     Six joints{};             ///< degrees
   };
-  enum class Phase : std::uint8_t { idle, starting, streaming, ending };
 
   // how it begins and ends; link_setup.cpp
   bool connect_services();
@@ -134,7 +117,6 @@ class Link : public EkiLink {
 
   // the thread of RSI; link.cpp
   void run();
-  void set_phase(Phase phase);
   void wait(Nanoseconds now);
   void begin_session(Nanoseconds now);
   void take_packets(Nanoseconds now);
@@ -166,16 +148,11 @@ class Link : public EkiLink {
   Outputs wanted_, written_;
   Panel current_panel_;
 
-  realtime::Latest<Sample> samples_;
-  realtime::Latest<Panel> panels_;
   realtime::Latest<Wanted> commands_;
   realtime::Latest<Outputs> outputs_;
 
-  std::atomic<Phase> phase_{Phase::idle};  // changed with mutex_
   std::atomic<bool> go_{false};            // the loop may command as soon as RSI runs
-  std::atomic<bool> renew_{false};         // RSI's thread begins a session
   std::atomic<bool> silent_{false};        // packets ended, and nobody knows why yet
-  std::atomic<bool> stands_{false};        // what is ending stands, or does not answer
   std::atomic<bool> quiet_{false};         // its packets have ended
   std::atomic<bool> rsi_off_{false};       // EthernetKRL says so
   // Without EthernetKRL: RSI may still run, with corrections of an earlier session. Zero ones would move the
@@ -199,7 +176,6 @@ class Link : public EkiLink {
   Nanoseconds heard_ = 0, commanded_at_ = 0, ending_since_ = 0;
   Cause unusable_ = Cause::none;  // what makes a start useless; with mutex_
   int unusable_detail_ = 0;
-  std::atomic<bool> quit_{false};
   std::thread thread_, services_;
 };
 

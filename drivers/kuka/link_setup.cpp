@@ -22,7 +22,7 @@ Outputs::Outputs() noexcept : speed_override(std::numeric_limits<double>::quiet_
 }
 
 Link::Link(LinkSettings settings)
-    : EkiLink(settings.host, settings.eki_port, settings.timeout),
+    : StreamLink(settings.host, settings.eki_port, settings.timeout),
       settings_(std::move(settings)),
       services_wake_(::eventfd(0, EFD_NONBLOCK | EFD_CLOEXEC)),
       shaper_(settings_.cycle_ms / 1000.0) {
@@ -72,6 +72,7 @@ bool Link::open() {
   open_ = true;
   quit_ = false;
   go_ = false;
+  stands_ = false;
   renew_ = true;
   phase_ = settings_.eki ? Phase::idle : Phase::starting;
   thread_ = std::thread([this] { run(); });
@@ -123,9 +124,7 @@ bool Link::begin_program() {
   if (!settings_.eki) return true;
   {
     std::unique_lock lock(mutex_);
-    renew_ = true;
-    wake();
-    changed_.wait(lock, [this] { return !renew_; });
+    renew(lock);
     phase_ = Phase::starting;
   }
   const auto reply = eki_.ask(EkiDo::start);

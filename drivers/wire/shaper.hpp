@@ -23,6 +23,12 @@ struct AxisLimitsOf {
 };
 using AxisLimits = AxisLimitsOf<6>;
 
+/// The way of a stop that begins `delay` s later, by limits of acceleration and jerk.
+inline double stopping_way(double velocity, double acceleration, double jerk, double delay) noexcept {
+  const double v = velocity < 0 ? -velocity : velocity;
+  return v * (v / acceleration + acceleration / jerk) / 2 + v * delay;
+}
+
 /// The controller judges differences between commands: velocity, acceleration and jerk are the first, second
 /// and third difference by the period. A target within the limits is passed on unchanged. For another one the
 /// shaper goes towards the target as fast as the limits allow, and catches up as soon as it can.

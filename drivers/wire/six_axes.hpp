@@ -48,6 +48,30 @@ std::array<double, N> start_position(const hardware::RobotInstance& robot, std::
   return otherwise;
 }
 
+/// Limits of acceleration and jerk for streamed commands: shares of those of the description.
+struct LimitShares {
+  double acceleration = 2, jerk = 8;
+  double acceleration_else = 400, jerk_else = 20000;  ///< of a joint without such a limit
+};
+/// Limits in units of which one rad has `scale`; `max_speed` in them.
+template <std::size_t N>
+AxisLimitsOf<N> stream_limits(const hardware::RobotInstance& robot, const std::vector<std::string>& joints,
+                              double max_speed, const LimitShares& shares, double scale) {
+  AxisLimitsOf<N> out;
+  auto& [velocity, acceleration, jerk] = out.of;
+  velocity.fill(max_speed);
+  acceleration.fill(shares.acceleration_else);
+  jerk.fill(shares.jerk_else);
+  if (!robot.model) return out;
+  for (std::size_t i = 0; i < joints.size(); ++i)
+    for (const description::Joint& joint : robot.model->joints)
+      if (joint.name == joints[i]) {
+        if (const auto a = joint.limits.acceleration) acceleration[i] = shares.acceleration * *a * scale;
+        if (const auto j = joint.limits.jerk) jerk[i] = shares.jerk * *j * scale;
+      }
+  return out;
+}
+
 /// Finds commands that are too far from the last one, or at the beginning from the measured position. rad.
 /// Control thread.
 template <std::size_t N>

@@ -21,8 +21,8 @@ constexpr double kDegrees = 180 / std::numbers::pi;
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 // The controller follows its targets as they are; these shares of the description's limits are for braking,
 // and for commands that jump.
-constexpr double kAcceleration = 2, kJerk = 8;
-constexpr double kAccelerationElse = 600, kJerkElse = 20000;  // degrees, seconds; without limits there
+constexpr wire::LimitShares kLimits{
+    .acceleration = 2, .jerk = 8, .acceleration_else = 600, .jerk_else = 20000};  // degrees, seconds
 constexpr double kSlowest = 0.05;                             // s, between two servo commands
 
 using hardware::DriverParameter;
@@ -78,20 +78,6 @@ int cycles_of_command(Nanoseconds period, double least_ms) {
   return std::max(1, static_cast<int>(std::ceil(least_ms / 1000 / cycle - 1e-6)));
 }
 
-void XarmComponent::find_limits(const hardware::RobotInstance& robot, double max_speed) {
-  auto& [velocity, acceleration, jerk] = settings_.limits.of;
-  velocity.fill(max_speed);
-  acceleration.fill(kAccelerationElse);
-  jerk.fill(kJerkElse);
-  if (!robot.model) return;
-  for (std::size_t i = 0; i < joints_.size(); ++i)
-    for (const description::Joint& joint : robot.model->joints)
-      if (joint.name == joints_[i]) {
-        if (const auto a = joint.limits.acceleration) acceleration[i] = kAcceleration * *a * kDegrees;
-        if (const auto j = joint.limits.jerk) jerk[i] = kJerk * *j * kDegrees;
-      }
-}
-
 CallbackReturn XarmComponent::on_init(const hardware::ComponentContext& context) {
   period_ = context.period;
   paced_ = false;  // reports come at 100 Hz at most: too slow a clock for a loop
@@ -103,11 +89,7 @@ CallbackReturn XarmComponent::on_init(const hardware::ComponentContext& context)
   settings_.tool_inputs = settings_.tool_outputs = p.boolean("tool_io");
   force_sensor_ = p.boolean("force_sensor");
   settings_.stepped = stepped_link_;
-  settings_.most_behind = p.number("max_behind");
-  settings_.silence = nanoseconds(p.number("silence_ms") / 1000);
-  settings_.loop_silence = nanoseconds(p.number("loop_silence_ms") / 1000);
-  settings_.timeout = nanoseconds(p.number("connect_timeout"));
-  settings_.start_timeout = nanoseconds(p.number("start_timeout"));
+  settings_.read(p);
   steps_ = wire::StepCheckOf<kWireJoints>(p.number("max_step"));
   const double servo_ms = p.number("servo_ms");
   constexpr const char* kTakes[] = {"position"};
@@ -118,7 +100,8 @@ CallbackReturn XarmComponent::on_init(const hardware::ComponentContext& context)
   settings_.period = seconds(period_) * settings_.cycles;
   if (stepped_link_) settings_.report_period = seconds(period_);
   robot_ = context.robots.front().name;
-  find_limits(context.robots.front(), p.number("max_speed"));
+  settings_.limits =
+      wire::stream_limits<7>(context.robots.front(), joints_, p.number("max_speed"), kLimits, kDegrees);
   const auto signals = [&](const char* parameter) {
     return wire::signal_range(parameter, p.text(parameter), kMostSignals - 1, 0);
   };

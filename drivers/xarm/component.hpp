@@ -34,7 +34,6 @@ class XarmComponent : public wire::StreamComponent<Link, Cause, kWireJoints> {
   bool stepped_link_ = false;  ///< the controller's clock waits for the loop
 
  private:
-  void find_limits(const hardware::RobotInstance& robot, double max_speed);
   void add_signals(std::vector<hardware::InterfaceDescription>& out, bool inputs) const;
 
   LinkSettings settings_;

@@ -78,8 +78,7 @@ void Link::begin_streaming() {
   stands_ = lost_ = stopped_ = false;
   doubt_ = Cause::none;
   const std::lock_guard lock(mutex_);
-  renew_ = false;
-  changed_.notify_all();
+  renewed();
 }
 
 // --- reports ----------------------------------------------------------------------------------------------
@@ -203,10 +202,8 @@ void Link::shape() {
   if (shaper_.behind() == 0) waited_ = false;
   current_.behind = shaper_.behind() * kRadians;
   current_.shaped = shaper_.shaped();
-  if (current_.behind <= settings_.most_behind) return;
-  if (waited_) return note(Cause::command_silent);
-  const std::size_t axis = shaper_.axis_behind();
-  note(Cause::too_fast, static_cast<int>(3 * axis) + static_cast<int>(shaper_.exceeded(axis)));
+  judge_behind(shaper_, current_.behind, settings_.most_behind,
+               waited_ ? Cause::command_silent : Cause::none);
 }
 
 /// One command at a time, always the newest one.

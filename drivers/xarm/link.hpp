@@ -15,7 +15,6 @@
 #include "drivers/wire/signals.hpp"
 #include "drivers/xarm/report.hpp"
 #include "drivers/xarm/ux_port.hpp"
-#include "polyarm/realtime/latest.hpp"
 #include "polyarm/realtime/queue.hpp"
 
 namespace polyarm::xarm {
@@ -45,7 +44,7 @@ struct Outputs {
   Outputs() noexcept;
 };
 
-struct LinkSettings {
+struct LinkSettings : wire::StreamSettings {
   std::string host;
   int command_port = kCommandPort, report_port = kRealPort;
   std::size_t axes = 6;
@@ -53,24 +52,15 @@ struct LinkSettings {
   int cycles = 1;            ///< of the loop, for one of them
   double report_period = 0;  ///< s, between two reports; 0: by the clock of this computer
   bool clear_errors = true;  ///< activating clears an error that is not there any more
-  bool stepped = false;      ///< the controller's clock waits; serve_services() asks for the rest
   wire::SignalRange inputs, outputs;
   bool tool_inputs = false, tool_outputs = false;
   wire::AxisLimitsOf<7> limits;  ///< degrees, of commands
-  Nanoseconds timeout = 2'000'000'000, start_timeout = 10'000'000'000;
-  Nanoseconds silence = 300'000'000;       ///< without a report
-  Nanoseconds loop_silence = 100'000'000;  ///< without a command of the loop, until the robot is braked
-  double most_behind = 0.05;               ///< rad, that the shaper may be behind
 };
 
-/// open(), close(), start() and stop() come from one thread at a time and may wait; the calls marked control
-/// thread do not.
-class Link : public wire::LinkBase<Cause> {
+class Link : public wire::StreamLink<wire::LinkBase<Cause>, Sample, Panel> {
  public:
   explicit Link(LinkSettings settings);
   ~Link() { close(); }
-  Link(const Link&) = delete;
-  Link& operator=(const Link&) = delete;
 
   /// Connects and reads reports. Nothing moves. False: see reason().
   bool open();
@@ -85,12 +75,6 @@ class Link : public wire::LinkBase<Cause> {
   void settle(Nanoseconds timeout);
 
   // --- control thread; nothing waits, locks or allocates ---
-  bool fetch() noexcept {
-    panels_.fetch();
-    return samples_.fetch();
-  }
-  const Sample& sample() const noexcept { return samples_.value(); }
-  const Panel& panel() const noexcept { return panels_.value(); }
   /// The command of a cycle, rad. Without `move` the robot comes to rest.
   void command(bool move, const Seven& joints) noexcept;
   void outputs(const Outputs& outputs) noexcept { outputs_.write(outputs); }
@@ -105,7 +89,6 @@ class Link : public wire::LinkBase<Cause> {
     bool move = false;
     Seven joints{};  ///< degrees
   };
-  enum class Phase : std::uint8_t { idle, streaming, ending };
   struct ErrorCodes {
     int error = 0, warning = 0;
   };
@@ -180,17 +163,12 @@ class Link : public wire::LinkBase<Cause> {
   Outputs wanted_, written_;
   Panel current_panel_;
 
-  realtime::Latest<Sample> samples_;
-  realtime::Latest<Panel> panels_;
   realtime::Queue<Wanted> commands_{256};
   realtime::Latest<Outputs> outputs_;
   std::atomic<std::uint64_t> pushed_{0};  ///< commands
 
-  std::atomic<Phase> phase_{Phase::idle};  // changed with mutex_
-  std::atomic<bool> renew_{false};         // the thread begins a session
-  std::atomic<bool> stands_{true};         // what is ending stands, or is out of reach
-  std::atomic<bool> lost_{false};          // the connection for motion is of no use
-  std::atomic<bool> stopped_{false};       // the controller stopped by itself, or somebody else did it
+  std::atomic<bool> lost_{false};     // the connection for motion is of no use
+  std::atomic<bool> stopped_{false};  // the controller stopped by itself, or somebody else did it
   std::atomic<std::uint64_t> reports_seen_{0};
   std::atomic<int> still_reports_{0}, mode_{0}, state_{0};
   std::uint64_t settled_commands_ = 0, settled_reports_ = 0;  // with mutex_
@@ -210,7 +188,6 @@ class Link : public wire::LinkBase<Cause> {
   Cause doubt_ = Cause::none;  ///< of a command that was not taken
   int doubtful_reports_ = 0;
 
-  std::atomic<bool> quit_{false};
   std::thread thread_, services_;
 };
 

@@ -21,7 +21,7 @@ Outputs::Outputs() noexcept {
 }
 
 Link::Link(LinkSettings settings)
-    : LinkBase("the controller at " + settings.host),
+    : StreamLink("the controller at " + settings.host),
       settings_(std::move(settings)),
       services_wake_(::eventfd(0, EFD_NONBLOCK | EFD_CLOEXEC)),
       motion_(settings_.host, settings_.command_port),
@@ -176,9 +176,7 @@ bool Link::start() {
     return !fault_ && refuse(Cause::moves);
   if (!clear_error() || !set_up_motion()) return false;
   std::unique_lock lock(mutex_);
-  renew_ = true;
-  wake();
-  changed_.wait(lock, [this] { return !renew_; });
+  renew(lock);
   phase_ = Phase::streaming;
   return true;
 }
