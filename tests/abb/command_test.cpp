@@ -1,48 +1,26 @@
 /// The example, `polyarm far-side abb` and `polyarm setup abb`, as users start them.
-#include "tests/support/command.hpp"
-
-#include <gtest/gtest.h>
-
-#include "polyarm/base/file.hpp"
+#include "tests/support/driver_examples.hpp"
 #include "tests/support/wire_rig.hpp"
 
 namespace polyarm {
 namespace {
 
-using test::Command;
-using test::ExampleCopy;
-using test::Finished;
-using test::run_command;
-
-void replace(std::string& text, const std::string& from, const std::string& to) {
-  ASSERT_NE(text.find(from), std::string::npos) << from;
-  text.replace(text.find(from), from.size(), to);
-}
+using namespace test;
 
 TEST(AbbExample, PlacesOverTheControllersWiresAndRepeatsItself) {
   const ExampleCopy copy("abb_far_side");
-  const std::vector<std::string> line{"run", copy.path(), "--fast", "--json", "--no-socket"};
-  const Finished first = run_command(line);
-  ASSERT_EQ(first.exit_code, 0) << first.output;
-  EXPECT_EQ(first.result()["result"], "completed");
-  EXPECT_NE(first.output.find("EGM at 250 Hz"), std::string::npos) << first.output;
-  EXPECT_EQ(run_command(line).result()["trace_hash"], first.result()["trace_hash"]);
+  expect_same_run_twice(copy, "EGM at 250 Hz");
 }
 
 TEST(AbbExample, AFaultOfTheControllerEndsTheRunWithItsCause) {
-  const ExampleCopy copy("abb_far_side");
-  std::string text = read_file(copy.file("cell.yaml"));
-  replace(text, "wires: doVacuum=diHolds", "faults: guard_open@2\n      wires: doVacuum=diHolds");
-  write_file_atomically(copy.file("cell.yaml"), text);
-  const Finished ran = run_command({"run", copy.path(), "--fast", "--json", "--no-socket"});
-  EXPECT_EQ(ran.exit_code, 1);
-  EXPECT_NE(ran.output.find("a guard of the controller"), std::string::npos) << ran.output;
-  EXPECT_NE(ran.output.find("close it"), std::string::npos) << "says what to do";
+  expect_fault_ends_the_run(
+      "abb_far_side", {"wires: doVacuum=diHolds", "faults: guard_open@2\n      wires: doVacuum=diHolds"},
+      {"a guard of the controller", "close it"});
 }
 
 TEST(AbbSetup, FindsTheControllerAndInstallsTheModule) {
   Command far({"far-side", "abb", "--port", "0", "--order", "no_module"});
-  const std::string port = test::number_behind(far.line_with("Robot Web Services "), "at port");
+  const std::string port = number_behind(far.line_with("Robot Web Services "), "at port");
   ASSERT_FALSE(port.empty());
   const std::vector<std::string> line{"setup", "abb", "--host",     "127.0.0.1",
                                       "--rws", "2",   "--rws-port", port};

@@ -3,6 +3,7 @@
 
 #include "tests/abb/rig.hpp"
 #include "tests/support/realtime_guard.hpp"
+#include "tests/support/wire_laws.hpp"
 
 namespace polyarm {
 namespace {
@@ -36,27 +37,13 @@ TEST_P(BothVersions, ReadsWhatTheControllerMeasures) {
 
 TEST(AbbComponent, TheFlangeIsWhereTheCataloguesKinematicsHaveIt) {
   AbbRig rig;
-  ASSERT_TRUE(rig.start()) << rig.component.reason();
-  ASSERT_TRUE(rig.runs(2, [](int) {}));
-  int tip = -1;
-  for (std::size_t i = 0; i < abb_model().links.size(); ++i)
-    if (abb_model().links[i].name == "flange") tip = static_cast<int>(i);
-  const Pose flange = kinematics::Chain(abb_model(), tip).forward(rig.q());
-  EXPECT_NEAR(rig.state("flange_pose/position.x"), flange.position.x, 1e-9);
-  EXPECT_NEAR(rig.state("flange_pose/position.z"), flange.position.z, 1e-9);
-  const Quaternion q{rig.state("flange_pose/orientation.x"), rig.state("flange_pose/orientation.y"),
-                     rig.state("flange_pose/orientation.z"), rig.state("flange_pose/orientation.w")};
-  EXPECT_LT(angle_between(q, flange.rotation), 1e-6);
+  expect_flange_is_where_the_model_has_it(rig, abb_model(), "flange_pose", 1e-9, 1e-6);
 }
 
 TEST(AbbComponent, TheFirstCommandIsTheMeasuredPosition) {
   AbbRig rig;
-  const Six before = rig.q();
-  ASSERT_TRUE(rig.start()) << rig.component.reason();
-  ASSERT_TRUE(rig.runs(200, [](int) {}));
-  EXPECT_LE(rig.largest_jump(), 1e-6);
-  EXPECT_GT(rig.far().messages(), 150u);
-  for (std::size_t i = 0; i < 6; ++i) EXPECT_NEAR(rig.q()[i], before[i], 1e-6);
+  expect_first_command_is_measured(
+      rig, [&] { return rig.far().messages(); }, 151);
 }
 
 TEST(AbbComponent, TheRobotFollowsPositionsInEachCycleOnce) {
@@ -79,37 +66,17 @@ TEST(AbbComponent, TheRobotFollowsPositionsInEachCycleOnce) {
 
 TEST(AbbComponent, NoJointIsFasterThanTheModuleAllows) {
   AbbRig rig(Parameters{{"max_speed", "20"}});
-  ASSERT_TRUE(rig.start()) << rig.component.reason();
-  const double from = rig.command("joint_1/position");
-  // 50 degrees/s: the driver holds back, and gives up in words.
-  ASSERT_TRUE(rig.fails(400, [&](int i) { rig.command("joint_1/position") = from + travel(i, 0.0035); }));
-  EXPECT_EQ(rig.component.cause(), Cause::too_fast) << rig.component.reason();
-  EXPECT_NE(rig.component.reason().find("MaxSpeedDeviation"), std::string::npos) << rig.component.reason();
-  EXPECT_LE(rig.far().with([](abb::Machine& m) { return m.take_fastest(); }), 20 + 1e-9);
+  expect_no_joint_is_faster(rig, "joint_1", Cause::too_fast, "MaxSpeedDeviation", 1e-9);
 }
 
 TEST(AbbComponent, WithoutACommandTheArmHoldsAndGoesOnFromThere) {
   AbbRig rig;
-  ASSERT_TRUE(rig.start()) << rig.component.reason();
-  const double from = rig.command("joint_2/position");
-  ASSERT_TRUE(rig.runs(200, [&](int i) { rig.command("joint_2/position") = from + travel(i, 0.001); }));
-  rig.command("joint_4/position") = std::nan("");
-  ASSERT_TRUE(rig.runs(800, [](int) {}));
-  EXPECT_NEAR(rig.state("joint_2/velocity"), 0, 1e-4) << "it stands";
-  rig.hold();
-  ASSERT_TRUE(rig.runs(50, [](int) {})) << rig.component.reason();
+  expect_arm_holds_without_a_command(rig, "joint_2", "joint_4", 0.001, 200, 800);
 }
 
 TEST_P(BothVersions, SignalsAndTheSpeedRatioAreExchangedEveryFewCycles) {
   AbbRig rig(Parameters{{"wires", "doA=diA"}, {"rws", GetParam()}});
-  ASSERT_TRUE(rig.start()) << rig.component.reason();
-  for (int round = 0; round < 6; ++round) {
-    rig.command("io/doA") = round % 2;
-    ASSERT_TRUE(rig.runs(30, [](int) {}));
-    EXPECT_EQ(rig.state("io/doA"), round % 2) << round;
-    EXPECT_EQ(rig.state("io/diA"), round % 2) << "wired to doA";
-    EXPECT_EQ(rig.state("io/doB"), 0) << "what nobody commands stays";
-  }
+  expect_signals_are_exchanged(rig, "io/doA", "io/diA", "io/doB");
   rig.command("controller/speed_ratio") = 0.4;
   ASSERT_TRUE(rig.runs(60, [](int) {}));
   EXPECT_EQ(rig.state("controller/speed_ratio"), 0.4);
@@ -117,30 +84,12 @@ TEST_P(BothVersions, SignalsAndTheSpeedRatioAreExchangedEveryFewCycles) {
 
 TEST(AbbComponent, DeactivatingWhileItMovesBrakesAndStopsTheProgram) {
   AbbRig rig;
-  ASSERT_TRUE(rig.start()) << rig.component.reason();
-  const double from = rig.command("joint_1/position");
-  ASSERT_TRUE(rig.runs(200, [&](int i) { rig.command("joint_1/position") = from + travel(i, 0.002); }));
-  EXPECT_EQ(rig.component.on_deactivate(), CallbackReturn::success);
-  EXPECT_EQ(rig.component.cause(), Cause::none);
-  EXPECT_FALSE(rig.far().with([](abb::Machine& m) { return m.program_runs(); }));
-  const Six at = rig.q();
-  ASSERT_EQ(rig.read(), hardware::ReturnType::ok);
-  EXPECT_NEAR(rig.state("joint_1/position"), at[0], 1e-2) << "not where it was before the motion";
-  for (int i = 0; i < 100; ++i) rig.far().step();
-  EXPECT_NEAR(rig.q()[0], at[0], 1e-3);
-  ASSERT_TRUE(rig.activate()) << rig.component.reason();
-  EXPECT_TRUE(rig.runs(10, [](int) {}));
+  expect_deactivating_ends_a_motion(rig, "joint_1", [](abb::Machine& m) { return m.program_runs(); });
 }
 
 TEST(AbbComponent, RepeatedAndReorderedPacketsMoveNothing) {
   AbbRig rig;
-  ASSERT_TRUE(rig.start()) << rig.component.reason();
-  const Six before = rig.q();
-  for (const char* fault : {"duplicate=5", "reorder=2", "late=2"}) {
-    rig.far().order(fault);
-    ASSERT_TRUE(rig.runs(20, [](int) {})) << fault;
-  }
-  for (std::size_t i = 0; i < 6; ++i) EXPECT_NEAR(rig.q()[i], before[i], 1e-6);
+  expect_disturbed_packets_move_nothing(rig, {"duplicate=5", "reorder=2", "late=2"});
 }
 
 TEST(AbbComponent, WrongParametersAreNamed) {

@@ -3,6 +3,7 @@
 
 #include "tests/fanuc/rig.hpp"
 #include "tests/support/realtime_guard.hpp"
+#include "tests/support/wire_laws.hpp"
 
 namespace polyarm {
 namespace {
@@ -36,32 +37,14 @@ TEST(FanucComponent, ReadsWhatTheControllerMeasures) {
 
 TEST(FanucComponent, TheFlangeIsWhereTheCataloguesKinematicsHaveIt) {
   FanucRig rig;
-  ASSERT_TRUE(rig.start()) << rig.component.reason();
-  ASSERT_TRUE(rig.runs(2, [](int) {}));
-  const description::RobotModel& model = fanuc_model();
-  int tip = -1;
-  for (std::size_t i = 0; i < model.links.size(); ++i)
-    if (model.links[i].name == "flange") tip = static_cast<int>(i);
-  const kinematics::Chain chain(model, tip);
-  const Pose flange = chain.forward(rig.q());
-  EXPECT_NEAR(rig.state("flange_pose/position.x"), flange.position.x, 1e-5);
-  EXPECT_NEAR(rig.state("flange_pose/position.z"), flange.position.z - 0.245, 1e-5)
-      << "the controller's world is at the height of axis 2";
-  const Quaternion q{rig.state("flange_pose/orientation.x"), rig.state("flange_pose/orientation.y"),
-                     rig.state("flange_pose/orientation.z"), rig.state("flange_pose/orientation.w")};
-  EXPECT_LT(angle_between(q, flange.rotation), 1e-5);
+  // The controller's world is at the height of axis 2.
+  expect_flange_is_where_the_model_has_it(rig, fanuc_model(), "flange_pose", 1e-5, 1e-5, 0.245);
 }
 
 TEST(FanucComponent, TheFirstCommandIsTheMeasuredPosition) {
   FanucRig rig;
-  const Six before = rig.q();
-  ASSERT_TRUE(rig.start()) << rig.component.reason();
-  rig.forget_jumps();
-  ASSERT_TRUE(rig.runs(200, [](int) {}));
-  EXPECT_LE(rig.largest_jump(), 1e-6);
-  EXPECT_GT(rig.far().commands(), 150u);
-  const Six after = rig.q();
-  for (std::size_t i = 0; i < 6; ++i) EXPECT_NEAR(after[i], before[i], 1e-6);
+  expect_first_command_is_measured(
+      rig, [&] { return rig.far().commands(); }, 151);
 }
 
 TEST(FanucComponent, TheRobotFollowsPositionsInEachCycleOnce) {
@@ -105,15 +88,8 @@ TEST(FanucComponent, CommandsThatStayBeyondTheTablesStopTheRobotWithTheirLimit) 
 
 TEST(FanucComponent, WithoutACommandTheArmHoldsAndGoesOnFromThere) {
   FanucRig rig;
-  ASSERT_TRUE(rig.start()) << rig.component.reason();
-  const double from = rig.command("J2/position");
-  ASSERT_TRUE(rig.runs(100, [&](int i) { rig.command("J2/position") = from + travel(i, 0.002); }));
-  rig.command("J4/position") = std::nan("");
-  ASSERT_TRUE(rig.runs(200, [](int) {}));
-  EXPECT_NEAR(rig.state("J2/velocity"), 0, 1e-4) << "it stands";
+  expect_arm_holds_without_a_command(rig, "J2", "J4", 0.002, 100, 200);
   EXPECT_TRUE(rig.far().with([](fanuc::Machine& m) { return m.alarm_text().empty(); }));
-  rig.hold();
-  ASSERT_TRUE(rig.runs(50, [](int) {})) << rig.component.reason();
 }
 
 TEST(FanucComponent, OutputsGoWithTheCommandOfTheirCycle) {
@@ -168,14 +144,7 @@ TEST(FanucComponent, DeactivatingWhileItMovesBrakesWithinTheLimits) {
 
 TEST(FanucComponent, RepeatedAndReorderedPacketsMoveNothing) {
   FanucRig rig;
-  ASSERT_TRUE(rig.start()) << rig.component.reason();
-  const Six before = rig.q();
-  for (const char* fault : {"duplicate=5", "reorder=2", "late=2"}) {
-    rig.far().order(fault);
-    ASSERT_TRUE(rig.runs(20, [](int) {})) << fault;
-  }
-  const Six after = rig.q();
-  for (std::size_t i = 0; i < 6; ++i) EXPECT_NEAR(after[i], before[i], 1e-6);
+  expect_disturbed_packets_move_nothing(rig, {"duplicate=5", "reorder=2", "late=2"});
 }
 
 TEST(FanucComponent, AnOrderedFaultEndsWhenTheDriverStartsAgain) {

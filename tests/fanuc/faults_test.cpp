@@ -11,11 +11,6 @@ namespace {
 using test::FanucRig;
 using namespace test;
 
-/// What a person does at the robot.
-void mend(FarSide& far) {
-  for (const char* order : {"release", "fence_closed", "auto", "reset", "healthy"}) far.order(order);
-}
-
 class WhileMoving : public testing::TestWithParam<FaultRow> {};
 INSTANTIATE_TEST_SUITE_P(
     Faults, WhileMoving,

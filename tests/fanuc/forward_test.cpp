@@ -3,72 +3,24 @@
 
 #include "polyarm/base/text.hpp"
 #include "tests/fanuc/rig.hpp"
-#include "tests/support/forward_calls.hpp"
-#include "tests/support/realtime_guard.hpp"
+#include "tests/support/forward_laws.hpp"
 
 namespace polyarm {
 namespace {
 
-using hardware::ForwardFlow;
 using hardware::ForwardMove;
 using namespace test;
 
-/// rad: the interface has 0.001 degrees, and a robot that moves by less between two readings counts as
-/// standing.
-constexpr double kStandsWithin = 2e-4;
-
-/// The driver on its simulated controller, with moves for it.
-class ForwardRig : public ForwardCalls<FanucRig> {
+class FanucMoveRig : public FanucRig {
  public:
-  using ForwardCalls::ForwardCalls;
-  /// A joint move to where the robot is, with joint 1 moved by so much.
-  ForwardMove turn(double by, double blend = 0) {
-    ForwardMove out;
-    out.id = ++id;
-    Six q = target ? *target : this->q();
-    q[0] += by;
-    target = q;
-    std::copy(q.begin(), q.end(), out.joints.begin());
-    out.at = chain().forward(q);
-    out.share = 0.5;
-    out.speed = 0.5;
-    out.blend = blend;
-    out.stops = !(blend > 0);
-    return out;
+  using FanucRig::FanucRig;
+  /// The flange of a CRX, as the driver has it.
+  static const kinematics::Chain& chain() {
+    static const fanuc::MachineFacts facts = fanuc::facts_of(fanuc_model());
+    return *facts.chain;
   }
-  /// A line of the TCP by so much.
-  ForwardMove shift(const Vec3& by, double blend = 0) {
-    ForwardMove out;
-    out.kind = ForwardMove::Kind::line;
-    out.id = ++id;
-    const Six from = target ? *target : q();
-    Pose at = chain().forward(from);
-    at.position = at.position + by;
-    target = joints_at(at, from);
-    std::copy(target->begin(), target->end(), out.joints.begin());
-    out.at = at;
-    out.speed = 0.25;
-    out.blend = blend;
-    out.stops = !(blend > 0);
-    return out;
-  }
-  Six joints_at(const Pose& pose, const Six& seed) {
-    return far().with([&](fanuc::Machine& machine) {
-      Six degrees = seed;
-      for (double& one : degrees) one /= kDegree;
-      Pose flange = pose;
-      flange.position.z -= machine.options().facts.world_height;
-      Six out = *machine.joints_for(flange, degrees);
-      for (double& one : out) one *= kDegree;
-      return out;
-    });
-  }
-  const kinematics::Chain& chain() {
-    return *far().with([](fanuc::Machine& m) { return m.options().facts.chain; });
-  }
-
-  std::optional<Six> target;
 };
+using ForwardRig = ForwardMoveRig<FanucMoveRig>;
 
 void expect_standing_alone(FarSide& far) {
   const auto at = [&] { return far.with([](fanuc::Machine& machine) { return machine.q(); }); };
@@ -81,107 +33,32 @@ void expect_standing_alone(FarSide& far) {
 
 TEST(FanucForward, NothingMovesBeforeAMoveIsHandedOver) {
   ForwardRig rig;
-  const Six before = rig.q();
-  ASSERT_TRUE(rig.start()) << rig.component.reason();
-  ASSERT_TRUE(rig.passes(50));
-  EXPECT_TRUE(rig.moves->flow().standing);
-  EXPECT_TRUE(rig.moves->flow().idle);
-  EXPECT_EQ(rig.q(), before);
+  expect_nothing_moves_before_a_move(rig, 50);
 }
 
 TEST(FanucForward, JointMovesAndLinesEndWhereTheyShould) {
   ForwardRig rig;
-  ASSERT_TRUE(rig.start()) << rig.component.reason();
-  ASSERT_TRUE(rig.passes(5));
-  ASSERT_TRUE(rig.moves->accept(rig.turn(0.4)));
-  ASSERT_TRUE(rig.moves->accept(rig.shift({0.05, 0, 0.1})));
-  EXPECT_FALSE(rig.moves->flow().idle);
-  ASSERT_TRUE(rig.passes_until([&] { return rig.done(); }));
-  for (std::size_t j = 0; j < 6; ++j) EXPECT_NEAR(rig.q()[j], (*rig.target)[j], 1e-3) << j;
+  expect_moves_end_where_they_should(rig, {0.05, 0, 0.1}, 1e-3);
 }
 
 TEST(FanucForward, AnArcPassesItsPoint) {
   ForwardRig rig;
-  ASSERT_TRUE(rig.start()) << rig.component.reason();
-  ASSERT_TRUE(rig.passes(5));
-  const Pose from = rig.chain().forward(rig.q());
-  ForwardMove arc = rig.shift({0, -0.2, 0});
-  arc.kind = ForwardMove::Kind::arc;
-  arc.via = from;
-  arc.via.position = from.position + Vec3{0, -0.1, 0.1};
-  ASSERT_TRUE(rig.moves->accept(arc));
-  double nearest = 1;
-  ASSERT_TRUE(rig.passes_until([&] {
-    nearest = std::min(nearest, norm(rig.chain().forward(rig.q()).position - arc.via.position));
-    return rig.done();
-  }));
-  EXPECT_LT(nearest, 0.003);
-  EXPECT_LT(norm(rig.chain().forward(rig.q()).position - arc.at.position), 1e-3);
+  expect_arc_passes_its_point(rig, {0, -0.2, 0}, {0, -0.1, 0.1}, 0.003, 1e-3);
 }
 
 TEST(FanucForward, ABlendLeavesTheCornerByNoMoreThanItsRadiusAndSavesTime) {
-  const auto run = [](double blend, double& off) {
-    ForwardRig rig;
-    EXPECT_TRUE(rig.start()) << rig.component.reason();
-    EXPECT_TRUE(rig.passes(5));
-    const ForwardMove first = rig.shift({0, 0, 0.15}, blend);
-    rig.moves->accept(first);
-    rig.moves->accept(rig.shift({0, 0.2, 0}));
-    int cycles = 0;
-    off = 1;
-    EXPECT_TRUE(rig.passes_until([&] {
-      ++cycles;
-      off = std::min(off, norm(rig.chain().forward(rig.q()).position - first.at.position));
-      return rig.done();
-    }));
-    return cycles;
-  };
-  double exact = 0, rounded = 0;
-  const int slow = run(0, exact), fast = run(0.02, rounded);
-  EXPECT_LT(exact, 1e-3);
-  EXPECT_GT(rounded, 1e-3);
-  EXPECT_LE(rounded, 0.02);
-  EXPECT_LT(fast, slow);
+  const auto line = [](ForwardRig& rig, double blend) { return rig.shift({0, 0, 0.15}, blend); };
+  expect_blend_stays_near_the_corner<ForwardRig>(line, {0, 0.2, 0}, 0.02, 1e-3);
 }
 
 TEST(FanucForward, APauseStopsOnThePathAndGoesOnFromThere) {
   ForwardRig rig;
-  ASSERT_TRUE(rig.start()) << rig.component.reason();
-  ASSERT_TRUE(rig.passes(5));
-  ASSERT_TRUE(rig.moves->accept(rig.shift({0, 0, 0.2})));
-  const Vec3 from = rig.chain().forward(rig.q()).position;
-  ASSERT_TRUE(rig.passes(40));
-  EXPECT_FALSE(rig.moves->flow().standing);
-  ASSERT_TRUE(rig.passes_until([&] { return rig.moves->flow().standing; }, 0, 200));
-  const Six at = rig.q();
-  ASSERT_TRUE(rig.passes(200, 0));
-  for (std::size_t j = 0; j < 6; ++j) EXPECT_NEAR(rig.q()[j], at[j], kStandsWithin);
-  EXPECT_FALSE(rig.moves->flow().idle) << "the rest of the move is still to do";
-  const Vec3 held = rig.chain().forward(at).position;
-  EXPECT_NEAR(held.x, from.x, 1e-3);
-  EXPECT_NEAR(held.y, from.y, 1e-3);
-  EXPECT_GT(held.z, from.z + 0.005);
-  EXPECT_LT(held.z, from.z + 0.195);
-  ASSERT_TRUE(rig.passes_until([&] { return rig.done(); }));
-  EXPECT_NEAR(rig.chain().forward(rig.q()).position.z, from.z + 0.2, 1e-3);
+  expect_pause_stops_on_the_path(rig, 0.2, 40, 1e-3);
 }
 
 TEST(FanucForward, AfterClearTheRobotStandsAndTakesOtherMoves) {
   ForwardRig rig;
-  ASSERT_TRUE(rig.start()) << rig.component.reason();
-  ASSERT_TRUE(rig.passes(5));
-  for (int i = 0; i < 5; ++i) ASSERT_TRUE(rig.moves->accept(rig.turn(i % 2 ? -0.3 : 0.3)));
-  ASSERT_TRUE(rig.passes(60));
-  rig.moves->clear();
-  EXPECT_FALSE(rig.moves->accept(rig.turn(0.1))) << "not before it is done";
-  ASSERT_TRUE(rig.passes_until([&] { return rig.moves->flow().idle && rig.moves->flow().standing; }, 1, 300));
-  const Six at = rig.q();
-  ASSERT_TRUE(rig.passes(100));
-  for (std::size_t j = 0; j < 6; ++j) EXPECT_NEAR(rig.q()[j], at[j], kStandsWithin);
-  rig.target.reset();
-  ASSERT_TRUE(rig.moves->accept(rig.turn(0.1)));
-  ASSERT_TRUE(rig.passes_until([&] { return rig.done(); }));
-  EXPECT_NEAR(rig.q()[0], at[0] + 0.1, 1e-3);
+  expect_clear_ends_all_moves(rig, 60);
 }
 
 TEST(FanucForward, AClearInTheMiddleOfAMoveStopsThereAndAnotherMoveBegins) {
@@ -203,34 +80,12 @@ TEST(FanucForward, AClearInTheMiddleOfAMoveStopsThereAndAnotherMoveBegins) {
 }
 
 TEST(FanucForward, ThePaceIsTheControllersOverride) {
-  const auto cycles_at = [](double pace) {
-    ForwardRig rig;
-    EXPECT_TRUE(rig.start()) << rig.component.reason();
-    EXPECT_TRUE(rig.passes(5));
-    rig.moves->accept(rig.turn(0.5));
-    int cycles = 0;
-    EXPECT_TRUE(rig.passes_until([&] { return ++cycles, rig.done(); }, pace));
-    return cycles;
-  };
-  const int full = cycles_at(1), half = cycles_at(0.5);
-  EXPECT_GT(half, 1.7 * full);
-  EXPECT_LT(half, 2.3 * full);
+  expect_pace_sets_the_time<ForwardRig>(0.5, [](ForwardRig&, double) {});
 }
 
 TEST(FanucForward, ManyMovesPassThroughTheWindowInOrder) {
   ForwardRig rig;
-  ASSERT_TRUE(rig.start()) << rig.component.reason();
-  ASSERT_TRUE(rig.passes(5));
-  for (int i = 0; i < 30; ++i) ASSERT_TRUE(rig.moves->accept(rig.turn(i % 2 ? -0.05 : 0.06)));
-  std::uint64_t last = 0;
-  ASSERT_TRUE(rig.passes_until(
-      [&] {
-        EXPECT_GE(rig.moves->flow().done, last);
-        last = rig.moves->flow().done;
-        return rig.done();
-      },
-      1, 8000));
-  EXPECT_EQ(last, 30u);
+  expect_many_moves_pass_in_order(rig, 0);
 }
 
 TEST(FanucForward, OutputsAndInputsGoOverTheSameWire) {
@@ -245,15 +100,7 @@ TEST(FanucForward, OutputsAndInputsGoOverTheSameWire) {
 
 TEST(FanucForward, AControllerThatCommandsJointsIsRefused) {
   ForwardRig rig;
-  ASSERT_TRUE(rig.start()) << rig.component.reason();
-  ASSERT_TRUE(rig.passes(5));
-  const Six before = rig.q();
-  rig.commands[1] += 0.3;
-  EXPECT_EQ(rig.component.write(rig.cycle, rig.commands), ReturnType::error);
-  EXPECT_EQ(rig.component.cause(), Cause::joint_commands);
-  rig.component.on_error();
-  expect_standing(rig);
-  EXPECT_EQ(rig.q(), before);
+  expect_joint_commands_are_refused(rig, Cause::joint_commands);
 }
 
 /// The controller's clock runs by itself, as a robot's does.
@@ -269,40 +116,12 @@ TEST(FanucForward, OnAFreeClockMovesArriveAndTheLoopNeitherAllocatesNorLocks) {
   EXPECT_FALSE(component.paces()) << "the interface has no clock";
   ASSERT_EQ(component.on_configure(), CallbackReturn::success) << component.reason();
   ASSERT_EQ(component.on_activate(), CallbackReturn::success) << component.reason();
-  hardware::ForwardMoves& moves = *component.forward_moves(hardware::kForwardLayout);
-  EXPECT_EQ(component.forward_moves(0), nullptr) << "for a module that was built with other types";
-  std::vector<double> states(component.state_interfaces().size()),
-      commands(component.command_interfaces().size(), std::nan(""));
+  std::vector<double> states(component.state_interfaces().size());
   hardware::Cycle cycle{0, 8'000'000, 0};
-  component.await_cycle(1'000'000'000);
-  component.read(cycle, states);
-  ForwardMove move;
-  move.id = 1;
-  for (std::size_t j = 0; j < 6; ++j) move.joints[j] = states[3 * j];
-  move.joints[0] += 0.1;
-  move.at = far.with([&](fanuc::Machine& machine) {
-    return machine.options().facts.chain->forward(std::span(move.joints).first(6));
-  });
-  std::string violations;
-  bool fine = true, accepted = false, done = false;
-  for (int i = 0; i < 2000 && fine && !done; ++i) {
-    component.await_cycle(1'000'000'000);
-    cycle.time += cycle.period;
-    const RealtimeGuard guard;
-    moves.set_pace(1);
-    fine =
-        component.read(cycle, states) == ReturnType::ok && component.write(cycle, commands) == ReturnType::ok;
-    accepted = accepted || moves.accept(move);
-    const ForwardFlow flow = moves.flow();
-    done = accepted && flow.idle && flow.standing && flow.done == 1;
-    if (violations.empty()) violations = guard.violations();
-  }
-  EXPECT_TRUE(fine) << component.reason();
-  EXPECT_TRUE(done);
-  EXPECT_EQ(violations, "");
-  component.await_cycle(1'000'000'000);
-  component.read(cycle, states);
-  EXPECT_NEAR(states[0], move.joints[0], 0.01);
+  component.await_cycle(60'000'000'000);
+  ASSERT_EQ(component.read(cycle, states), ReturnType::ok);
+  expect_move_on_a_free_clock(component, turn_from(states, 3, FanucMoveRig::chain(), 0.1), cycle, states,
+                              0.01);
   component.on_shutdown();
 }
 
@@ -385,73 +204,14 @@ INSTANTIATE_TEST_SUITE_P(
 
 TEST_P(ForwardWhileMoving, IsNamedStandsAndMovesNothingWhenItIsRecovered) {
   ForwardRig rig(Parameters{{"answer_ms", "300"}, {"connect_timeout", "0.5"}});
-  ASSERT_TRUE(rig.start()) << rig.component.reason();
-  ASSERT_TRUE(rig.passes(5));
-  for (int i = 0; i < 6; ++i) ASSERT_TRUE(rig.moves->accept(rig.turn(i % 2 ? -0.3 : 0.3)));
-  ASSERT_TRUE(rig.passes(60));
-  rig.far().order(GetParam().order);
-  bool failed = false;
-  for (int i = 0; i < 400 && !failed; ++i) failed = rig.pass() == ReturnType::error;
-  ASSERT_TRUE(failed);
-  EXPECT_EQ(rig.component.cause(), GetParam().cause) << rig.component.reason();
-  const std::string said = rig.component.reason();
-  EXPECT_NE(said.find(GetParam().words), std::string::npos) << said;
-  expect_standing(rig);
-  for (const char* order : {"release", "fence_closed", "auto", "reset", "healthy"}) rig.far().order(order);
-  expect_standing(rig);
-  rig.forget_jumps();
-  ASSERT_TRUE(rig.configure()) << rig.component.reason();
-  expect_standing(rig);
-  const Six before = rig.q();
-  ASSERT_TRUE(rig.activate()) << rig.component.reason();
-  ASSERT_TRUE(rig.passes(100));
-  EXPECT_TRUE(rig.moves->flow().idle) << "what was left is forgotten";
-  EXPECT_LE(rig.largest_jump(), 1e-6);
-  for (std::size_t j = 0; j < 6; ++j) EXPECT_NEAR(rig.q()[j], before[j], 1e-6);
+  expect_fault_ends_all_moves(rig, GetParam(), 60, mend);
 }
 
-/// Faults drawn at random, before, during and after moves, pauses and clears.
 TEST(FanucForwardFaults, DrawnAtRandomTheyAreAlwaysNamedAndNothingJumpsOrGoesOnByItself) {
   constexpr const char* kOrders[] = {"e_stop",   "fence_open", "t1",   "t2",        "contact",   "motn=610",
                                      "alarm=65", "abort",      "hold", "terminate", "close_rmi", "power_off"};
-  Draw draw(30);
   ForwardRig rig(Parameters{{"connect_timeout", "1"}});
-  int named = 0;
-  for (int round = 0; round < 40; ++round) {
-    const std::string order = kOrders[draw(std::size(kOrders))];
-    if (!rig.configure()) {
-      ADD_FAILURE() << round << " " << rig.component.reason();
-      break;
-    }
-    rig.forget_jumps();
-    const bool early = draw(4) == 0;
-    if (early) rig.far().order(order);
-    const Six before = rig.q();
-    if (rig.component.cause() == Cause::none && rig.activate()) {
-      rig.target.reset();
-      const int moves = static_cast<int>(1 + draw(9)), until = static_cast<int>(draw(120));
-      for (int i = 0; i < moves; ++i)
-        rig.moves->accept(rig.turn(i % 2 ? -0.2 : 0.2, draw(2) && i + 1 < moves ? 0.02 : 0));
-      const double pace = draw(3) == 0 ? 0 : 1;
-      bool alive = true;
-      for (int i = 0; alive && i < until; ++i) alive = rig.pass() == ReturnType::ok;
-      if (alive && draw(4) == 0) rig.moves->clear();
-      if (alive) rig.far().order(order);
-      for (int i = 0; alive && i < 120; ++i) alive = rig.pass(pace) == ReturnType::ok;
-    } else {
-      for (std::size_t j = 0; j < 6; ++j) EXPECT_NEAR(rig.q()[j], before[j], 1e-6) << order;
-    }
-    if (rig.component.cause() != Cause::none) {
-      ++named;
-      EXPECT_GT(rig.component.reason().size(), 30u) << order;
-    }
-    EXPECT_LE(rig.largest_jump(), 0.03) << order;  // rad in 8 ms
-    rig.component.on_error();
-    expect_standing(rig);
-    for (const char* mend : {"release", "fence_closed", "auto", "reset", "healthy"}) rig.far().order(mend);
-    expect_standing(rig);
-  }
-  EXPECT_GT(named, 20);
+  expect_random_faults_end_all_moves(rig, kOrders, {.until = 120, .after = 120, .most_jump = 0.03}, mend);
 }
 
 }  // namespace

@@ -38,6 +38,11 @@ class FanucRig : public WireRig<fanuc::FakeFanuc, 3> {
   }
 };
 
+/// What a person does at the robot.
+inline void mend(FarSide& far) {
+  for (const char* order : {"release", "fence_closed", "auto", "reset", "healthy"}) far.order(order);
+}
+
 /// A motion that speeds up smoothly in 40 cycles.
 inline double travel(int i, double step) {
   return travel(i, step, 40);

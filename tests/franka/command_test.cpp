@@ -1,25 +1,11 @@
 /// The example, `polyarm far-side franka` and `polyarm setup franka`, as users start them.
-#include "tests/support/command.hpp"
-
-#include <gtest/gtest.h>
-
-#include "polyarm/base/file.hpp"
+#include "tests/support/driver_examples.hpp"
 #include "tests/support/wire_rig.hpp"
 
 namespace polyarm {
 namespace {
 
-using test::Command;
-using test::ExampleCopy;
-using test::Finished;
-using test::number_behind;
-using test::run_command;
-
-void replace(std::string& text, const std::string& old, const std::string& with) {
-  const std::size_t at = text.find(old);
-  ASSERT_NE(at, std::string::npos) << old;
-  text.replace(at, old.size(), with);
-}
+using namespace test;
 
 std::vector<std::string> far_side(std::vector<std::string> more = {}) {
   std::vector<std::string> out{"far-side", "franka", "--port", "0", "--hand-port", "0"};
@@ -40,27 +26,13 @@ Finished set_up(Command& far, std::vector<std::string> more = {}) {
 
 TEST(FrankaExample, PlacesWithTheHandAndRepeatsItself) {
   const ExampleCopy copy("franka");
-  std::string text = read_file(copy.file("placing.script"));
-  replace(text, "part < 2", "part < 1");  // for a short test
-  write_file_atomically(copy.file("placing.script"), text);
-  const std::vector<std::string> line{"run", copy.path(), "--fast", "--json", "--no-socket"};
-  const Finished first = run_command(line);
-  ASSERT_EQ(first.exit_code, 0) << first.output;
-  EXPECT_EQ(first.result()["result"], "completed");
-  EXPECT_NE(first.output.find("joint positions at 1000 Hz, with its hand"), std::string::npos)
-      << first.output;
-  EXPECT_EQ(run_command(line).result()["trace_hash"], first.result()["trace_hash"]);
+  edit(copy, "placing.script", {{"part < 2", "part < 1"}});  // for a short test
+  expect_same_run_twice(copy, "joint positions at 1000 Hz, with its hand");
 }
 
 TEST(FrankaExample, AFaultOfTheRobotEndsTheRunWithItsCause) {
-  const ExampleCopy copy("franka");
-  std::string text = read_file(copy.file("cell.yaml"));
-  replace(text, "faults: part=30@0", "faults: part=30@0 collision@2");
-  write_file_atomically(copy.file("cell.yaml"), text);
-  const Finished ran = run_command({"run", copy.path(), "--fast", "--json", "--no-socket"});
-  EXPECT_EQ(ran.exit_code, 1);
-  EXPECT_NE(ran.output.find("stopped for a collision (joint_reflex)"), std::string::npos) << ran.output;
-  EXPECT_NE(ran.output.find("clear the space"), std::string::npos) << "says what to do";
+  expect_fault_ends_the_run("franka", {"faults: part=30@0", "faults: part=30@0 collision@2"},
+                            {"stopped for a collision (joint_reflex)", "clear the space"});
 }
 
 TEST(FrankaSetup, FindsTheRobotAndShowsItsState) {
@@ -116,7 +88,7 @@ TEST(FrankaSetup, ARobotThatIsNotThereOrSwitchedOffIsNamed) {
 }
 
 TEST(FrankaFarSide, TakesFaultsAndShowsItsState) {
-  Command far(far_side({"--order", "collision", "--interface", "10"}), test::Input::terminal);
+  Command far(far_side({"--order", "collision", "--interface", "10"}), Input::terminal);
   EXPECT_NE(far.line_with("robot at port").find("interface version 10"), std::string::npos);
   ASSERT_TRUE(far.wait_for("type `state`"));
   far.type("state\n");

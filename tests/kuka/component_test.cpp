@@ -4,6 +4,7 @@
 
 #include "tests/kuka/rig.hpp"
 #include "tests/support/realtime_guard.hpp"
+#include "tests/support/wire_laws.hpp"
 
 namespace polyarm {
 namespace {
@@ -34,27 +35,13 @@ TEST(KukaComponent, ReadsWhatTheControllerMeasures) {
 
 TEST(KukaComponent, TheFlangeIsWhereTheCataloguesKinematicsHaveIt) {
   KukaRig rig;
-  ASSERT_TRUE(rig.start()) << rig.component.reason();
-  ASSERT_TRUE(rig.runs(2, [](int) {}));
-  int tip = -1;
-  for (std::size_t i = 0; i < kuka_model().links.size(); ++i)
-    if (kuka_model().links[i].name == "flange") tip = static_cast<int>(i);
-  const Pose flange = kinematics::Chain(kuka_model(), tip).forward(rig.q());
-  EXPECT_NEAR(rig.state("flange_pose/position.x"), flange.position.x, 1e-8);
-  EXPECT_NEAR(rig.state("flange_pose/position.z"), flange.position.z, 1e-8);
-  const Quaternion q{rig.state("flange_pose/orientation.x"), rig.state("flange_pose/orientation.y"),
-                     rig.state("flange_pose/orientation.z"), rig.state("flange_pose/orientation.w")};
-  EXPECT_LT(angle_between(q, flange.rotation), 1e-6);
+  expect_flange_is_where_the_model_has_it(rig, kuka_model(), "flange_pose", 1e-8, 1e-6);
 }
 
 TEST(KukaComponent, TheFirstCommandIsTheMeasuredPosition) {
   KukaRig rig;
-  const Six before = rig.q();
-  ASSERT_TRUE(rig.start()) << rig.component.reason();
-  ASSERT_TRUE(rig.runs(200, [](int) {}));
-  EXPECT_LE(rig.largest_jump(), 1e-6);
-  EXPECT_GT(rig.far().answers(), 190u);
-  for (std::size_t i = 0; i < 6; ++i) EXPECT_NEAR(rig.q()[i], before[i], 1e-6);
+  expect_first_command_is_measured(
+      rig, [&] { return rig.far().answers(); }, 191);
 }
 
 class BothCycles : public testing::TestWithParam<int> {};
@@ -76,37 +63,17 @@ TEST_P(BothCycles, TheRobotFollowsPositionsInEachCycleOnce) {
 
 TEST(KukaComponent, NoJointIsFasterThanItsLimit) {
   KukaRig rig(Parameters{{"max_speed", "20"}});
-  ASSERT_TRUE(rig.start()) << rig.component.reason();
-  const double from = rig.command("joint_1/position");
-  // 50 degrees/s: the driver holds back, and gives up in words.
-  ASSERT_TRUE(rig.fails(400, [&](int i) { rig.command("joint_1/position") = from + travel(i, 0.0035); }));
-  EXPECT_EQ(rig.component.cause(), Cause::too_fast) << rig.component.reason();
-  EXPECT_NE(rig.component.reason().find("max_speed"), std::string::npos) << rig.component.reason();
-  EXPECT_LE(rig.far().with([](kuka::Machine& m) { return m.take_fastest(); }), 20 + 1e-3);
+  expect_no_joint_is_faster(rig, "joint_1", Cause::too_fast, "max_speed", 1e-3);
 }
 
 TEST(KukaComponent, WithoutACommandTheArmHoldsAndGoesOnFromThere) {
   KukaRig rig;
-  ASSERT_TRUE(rig.start()) << rig.component.reason();
-  const double from = rig.command("joint_2/position");
-  ASSERT_TRUE(rig.runs(200, [&](int i) { rig.command("joint_2/position") = from + travel(i, 0.001); }));
-  rig.command("joint_4/position") = std::nan("");
-  ASSERT_TRUE(rig.runs(800, [](int) {}));
-  EXPECT_NEAR(rig.state("joint_2/velocity"), 0, 1e-4) << "it stands";
-  rig.hold();
-  ASSERT_TRUE(rig.runs(50, [](int) {})) << rig.component.reason();
+  expect_arm_holds_without_a_command(rig, "joint_2", "joint_4", 0.001, 200, 800);
 }
 
 TEST(KukaComponent, SignalsAndTheOverrideAreExchangedEveryFewCycles) {
   KukaRig rig(Parameters{{"wires", "1=4"}});
-  ASSERT_TRUE(rig.start()) << rig.component.reason();
-  for (int round = 0; round < 6; ++round) {
-    rig.command("io/digital_out_1") = round % 2;
-    ASSERT_TRUE(rig.runs(30, [](int) {}));
-    EXPECT_EQ(rig.state("io/digital_out_1"), round % 2) << round;
-    EXPECT_EQ(rig.state("io/digital_in_4"), round % 2) << "wired to output 1";
-    EXPECT_EQ(rig.state("io/digital_out_2"), 0) << "what nobody commands stays";
-  }
+  expect_signals_are_exchanged(rig, "io/digital_out_1", "io/digital_in_4", "io/digital_out_2");
   rig.command("controller/speed_override") = 0.4;
   ASSERT_TRUE(rig.runs(60, [](int) {}));
   EXPECT_EQ(rig.state("controller/speed_override"), 0.4);
@@ -114,31 +81,13 @@ TEST(KukaComponent, SignalsAndTheOverrideAreExchangedEveryFewCycles) {
 
 TEST(KukaComponent, DeactivatingWhileItMovesBrakesAndEndsRsi) {
   KukaRig rig;
-  ASSERT_TRUE(rig.start()) << rig.component.reason();
-  const double from = rig.command("joint_1/position");
-  ASSERT_TRUE(rig.runs(200, [&](int i) { rig.command("joint_1/position") = from + travel(i, 0.002); }));
-  EXPECT_EQ(rig.component.on_deactivate(), CallbackReturn::success);
-  EXPECT_EQ(rig.component.cause(), Cause::none);
-  EXPECT_FALSE(rig.far().with([](kuka::Machine& m) { return m.rsi(); }));
-  const Six at = rig.q();
-  ASSERT_EQ(rig.read(), hardware::ReturnType::ok);
-  EXPECT_NEAR(rig.state("joint_1/position"), at[0], 1e-2) << "not where it was before the motion";
-  for (int i = 0; i < 100; ++i) rig.far().step();
-  EXPECT_NEAR(rig.q()[0], at[0], 1e-3);
-  ASSERT_TRUE(rig.activate()) << rig.component.reason();
-  EXPECT_TRUE(rig.runs(10, [](int) {}));
+  expect_deactivating_ends_a_motion(rig, "joint_1", [](kuka::Machine& m) { return m.rsi(); });
 }
 
 TEST(KukaComponent, RepeatedReorderedAndMissingPacketsMoveNothing) {
   KukaRig rig;
-  ASSERT_TRUE(rig.start()) << rig.component.reason();
-  const Six before = rig.q();
-  for (const char* fault : {"duplicate=5", "reorder=2", "late=2", "skip=40"}) {
-    rig.far().order(fault);
-    ASSERT_TRUE(rig.runs(20, [](int) {})) << fault;
-  }
+  expect_disturbed_packets_move_nothing(rig, {"duplicate=5", "reorder=2", "late=2", "skip=40"});
   EXPECT_EQ(rig.state("controller/lost_packets"), 11) << "40 ms of the clock, and one out of order";
-  for (std::size_t i = 0; i < 6; ++i) EXPECT_NEAR(rig.q()[i], before[i], 1e-6);
 }
 
 TEST(KukaComponent, WrongParametersAreNamed) {

@@ -1,55 +1,30 @@
 /// Forward mode: the controller interpolates, the driver sends moves and follows.
 #include <cmath>
 
-#include "drivers/wire/arcs.hpp"
 #include "tests/kuka/forward_rig.hpp"
-#include "tests/support/realtime_guard.hpp"
-#include "tests/support/wire_faults.hpp"
+#include "tests/support/forward_laws.hpp"
 
 namespace polyarm {
 namespace {
 
-using hardware::ForwardFlow;
 using hardware::ForwardMove;
 using namespace test;
 
-constexpr double kStandsWithin = 2e-4;  // rad: a robot that moves by less counts as standing
+constexpr Vec3 kArc{0, -0.2, 0}, kVia{0, -0.1, 0.1};  // half a circle upwards
 
 TEST(KukaForward, NothingMovesBeforeAMoveIsHandedOver) {
   ForwardRig rig;
-  const Six before = rig.q();
-  ASSERT_TRUE(rig.start()) << rig.component.reason();
-  ASSERT_TRUE(rig.passes(100));
-  EXPECT_TRUE(rig.moves->flow().standing);
-  EXPECT_TRUE(rig.moves->flow().idle);
-  EXPECT_EQ(rig.q(), before);
+  expect_nothing_moves_before_a_move(rig);
 }
 
 TEST(KukaForward, JointMovesAndLinesEndWhereTheyShould) {
   ForwardRig rig;
-  ASSERT_TRUE(rig.start()) << rig.component.reason();
-  ASSERT_TRUE(rig.passes(5));
-  ASSERT_TRUE(rig.moves->accept(rig.turn(0.4)));
-  ASSERT_TRUE(rig.moves->accept(rig.shift({0, 0.05, 0.1})));
-  EXPECT_FALSE(rig.moves->flow().idle);
-  ASSERT_TRUE(rig.passes_until([&] { return rig.done(); }));
-  for (std::size_t j = 0; j < 6; ++j) EXPECT_NEAR(rig.q()[j], (*rig.target)[j], 1e-4) << j;
+  expect_moves_end_where_they_should(rig, {0, 0.05, 0.1}, 1e-4);
 }
 
 TEST(KukaForward, ALineIsStraight) {
   ForwardRig rig;
-  ASSERT_TRUE(rig.start()) << rig.component.reason();
-  ASSERT_TRUE(rig.passes(5));
-  const Vec3 from = rig.place();
-  ASSERT_TRUE(rig.moves->accept(rig.shift({0, -0.1, -0.08})));
-  const Vec3 way = normalized(Vec3{0, -0.1, -0.08});
-  double off = 0;
-  ASSERT_TRUE(rig.passes_until([&] {
-    const Vec3 gone = rig.place() - from;
-    off = std::max(off, norm(gone - dot(gone, way) * way));
-    return rig.done();
-  }));
-  EXPECT_LT(off, 2e-4);
+  expect_line_is_straight(rig, {0, -0.1, -0.08}, 2e-4);
 }
 
 /// The tool is not that of the flange: the controller gets it before the first move.
@@ -85,66 +60,19 @@ TEST(KukaForward, AToolThatOnlyTurnsTakesItsTime) {
 
 TEST(KukaForward, AnArcPassesItsPoint) {
   ForwardRig rig;
-  ASSERT_TRUE(rig.start()) << rig.component.reason();
-  ASSERT_TRUE(rig.passes(5));
-  const ForwardMove arc = rig.arc();
-  ASSERT_TRUE(rig.moves->accept(arc));
-  double nearest = 1;
-  ASSERT_TRUE(rig.passes_until([&] {
-    nearest = std::min(nearest, norm(rig.place() - arc.via.position));
-    return rig.done();
-  }));
-  EXPECT_LT(nearest, 0.002);
-  EXPECT_LT(norm(rig.place() - arc.at.position), 1e-4);
+  expect_arc_passes_its_point(rig, kArc, kVia, 0.002, 1e-4);
 }
 
 TEST(KukaForward, ABlendLeavesTheCornerByNoMoreThanItsRadiusAndSavesTime) {
-  for (const bool joint : {false, true}) {
-    const auto run = [joint](double blend, double& off) {
-      ForwardRig rig;
-      EXPECT_TRUE(rig.start()) << rig.component.reason();
-      EXPECT_TRUE(rig.passes(5));
-      const ForwardMove first = joint ? rig.turn(-0.3, blend) : rig.shift({0, 0, -0.15}, blend);
-      rig.moves->accept(first);
-      rig.moves->accept(rig.shift({0, -0.15, 0}));
-      int cycles = 0;
-      off = 1;
-      EXPECT_TRUE(rig.passes_until([&] {
-        ++cycles;
-        off = std::min(off, norm(rig.place() - first.at.position));
-        return rig.done();
-      }));
-      return cycles;
-    };
-    double exact = 0, rounded = 0;
-    const int slow = run(0, exact), fast = run(0.04, rounded);
-    EXPECT_LT(exact, 2e-4) << joint;
-    EXPECT_GT(rounded, 1e-3) << joint;
-    EXPECT_LE(rounded, 0.04) << joint;
-    EXPECT_LT(fast, slow) << joint;
-  }
+  const auto joints = [](ForwardRig& rig, double blend) { return rig.turn(-0.3, blend); };
+  const auto line = [](ForwardRig& rig, double blend) { return rig.shift({0, 0, -0.15}, blend); };
+  expect_blend_stays_near_the_corner<ForwardRig>(line, {0, -0.15, 0}, 0.04, 2e-4);
+  expect_blend_stays_near_the_corner<ForwardRig>(joints, {0, -0.15, 0}, 0.04, 2e-4);
 }
 
 TEST(KukaForward, APauseStopsOnThePathAndGoesOnFromThere) {
   ForwardRig rig;
-  ASSERT_TRUE(rig.start()) << rig.component.reason();
-  ASSERT_TRUE(rig.passes(5));
-  const Vec3 from = rig.place();
-  ASSERT_TRUE(rig.moves->accept(rig.shift({0, 0, -0.2})));
-  ASSERT_TRUE(rig.passes(120));
-  EXPECT_FALSE(rig.moves->flow().standing);
-  ASSERT_TRUE(rig.passes_until([&] { return rig.moves->flow().standing; }, 0, 500));
-  EXPECT_EQ(rig.override_percent(), 0);
-  const Six at = rig.q();
-  ASSERT_TRUE(rig.passes(300, 0));
-  for (std::size_t j = 0; j < 6; ++j) EXPECT_NEAR(rig.q()[j], at[j], kStandsWithin);
-  EXPECT_FALSE(rig.moves->flow().idle) << "the rest of the move is still to do";
-  EXPECT_NEAR(rig.place().x, from.x, 2e-4);
-  EXPECT_NEAR(rig.place().y, from.y, 2e-4);
-  EXPECT_LT(rig.place().z, from.z - 0.005);
-  EXPECT_GT(rig.place().z, from.z - 0.195);
-  ASSERT_TRUE(rig.passes_until([&] { return rig.done(); }));
-  EXPECT_NEAR(rig.place().z, from.z - 0.2, 1e-4);
+  expect_pause_stops_on_the_path(rig, -0.2, 120, 2e-4, [&] { EXPECT_EQ(rig.override_percent(), 0); });
 }
 
 TEST(KukaForward, APausedRobotDoesNotMoveWhenSomebodyRaisesTheOverrideOrPressesStart) {
@@ -164,59 +92,25 @@ TEST(KukaForward, APausedRobotDoesNotMoveWhenSomebodyRaisesTheOverrideOrPressesS
 
 TEST(KukaForward, APauseInAnArcGoesOnOnTheArc) {
   ForwardRig rig;
-  ASSERT_TRUE(rig.start()) << rig.component.reason();
-  ASSERT_TRUE(rig.passes(5));
-  const Vec3 from = rig.place();
-  const ForwardMove arc = rig.arc();
-  const auto circle = *wire::Circle::through(from, arc.via.position, arc.at.position);
-  ASSERT_TRUE(rig.moves->accept(arc));
-  double off = 0;
-  const auto look = [&] {
-    off = std::max(off, std::abs(norm(rig.place() - circle.center) - norm(circle.arm)));
-  };
-  ASSERT_TRUE(rig.passes_until(
-      [&] { return look(), circle.angle_of(rig.place()) > 1 && norm(rig.place() - from) > 0.05; }));
-  ASSERT_TRUE(rig.passes_until([&] { return look(), rig.moves->flow().standing; }, 0, 500));
-  ASSERT_TRUE(rig.passes_until([&] { return look(), rig.done(); }));
-  EXPECT_LT(off, 1e-3);
-  EXPECT_LT(norm(rig.place() - arc.at.position), 1e-4);
+  expect_pause_in_an_arc_stays_on_it(rig, kArc, kVia);
 }
 
 TEST(KukaForward, AfterClearTheRobotStandsAndTakesOtherMoves) {
   ForwardRig rig;
-  ASSERT_TRUE(rig.start()) << rig.component.reason();
-  ASSERT_TRUE(rig.passes(5));
-  for (int i = 0; i < 5; ++i) ASSERT_TRUE(rig.moves->accept(rig.turn(i % 2 ? -0.3 : 0.3)));
-  ASSERT_TRUE(rig.passes(100));
-  rig.moves->clear();
-  EXPECT_FALSE(rig.moves->accept(rig.turn(0.1))) << "not before it is done";
-  ASSERT_TRUE(rig.passes_until([&] { return rig.moves->flow().idle && rig.moves->flow().standing; }, 1, 600));
-  const Six at = rig.q();
-  ASSERT_TRUE(rig.passes(300));
-  for (std::size_t j = 0; j < 6; ++j) EXPECT_NEAR(rig.q()[j], at[j], kStandsWithin);
-  rig.target.reset();
-  ASSERT_TRUE(rig.moves->accept(rig.turn(0.1)));
-  ASSERT_TRUE(rig.passes_until([&] { return rig.done(); }));
-  EXPECT_NEAR(rig.q()[0], at[0] + 0.1, 1e-3);
+  expect_clear_ends_all_moves(rig, 100);
 }
 
 TEST(KukaForward, ThePaceIsTheOverrideAndIsGivenBack) {
-  const auto cycles_at = [](double pace) {
-    ForwardRig rig;
-    rig.far().with([](kuka::Machine& machine) { return machine.set_override(80); });
-    EXPECT_TRUE(rig.start()) << rig.component.reason();
-    EXPECT_TRUE(rig.passes(5));
-    rig.moves->accept(rig.turn(0.8));
-    int cycles = 0;
-    EXPECT_TRUE(rig.passes_until([&] { return ++cycles, rig.done(); }, pace));
+  struct Slowed : ForwardRig {
+    Slowed() {
+      far().with([](kuka::Machine& machine) { return machine.set_override(80); });
+    }
+  };
+  expect_pace_sets_the_time<Slowed>(0.8, [](Slowed& rig, double pace) {
     EXPECT_NEAR(rig.state("controller/speed_override"), pace, 1e-9);
     rig.component.on_deactivate();
     EXPECT_EQ(rig.override_percent(), 80) << "for other programs";
-    return cycles;
-  };
-  const int full = cycles_at(1), half = cycles_at(0.5);
-  EXPECT_GT(half, 1.7 * full);
-  EXPECT_LT(half, 2.3 * full);
+  });
 }
 
 TEST(KukaForward, DeactivatingWhileItMovesStopsTheRobotAndForgetsItsMoves) {
@@ -237,19 +131,7 @@ TEST(KukaForward, DeactivatingWhileItMovesStopsTheRobotAndForgetsItsMoves) {
 
 TEST(KukaForward, ManyMovesPassThroughTheQueueInOrder) {
   ForwardRig rig;
-  ASSERT_TRUE(rig.start()) << rig.component.reason();
-  ASSERT_TRUE(rig.passes(5));
-  for (int i = 0; i < 30; ++i)
-    ASSERT_TRUE(rig.moves->accept(rig.turn(i % 2 ? -0.1 : 0.11, i % 3 && i < 29 ? 0.01 : 0)));
-  std::uint64_t last = 0;
-  ASSERT_TRUE(rig.passes_until(
-      [&] {
-        EXPECT_GE(rig.moves->flow().done, last);
-        last = rig.moves->flow().done;
-        return rig.done();
-      },
-      1, 20000));
-  EXPECT_EQ(last, 30u);
+  expect_many_moves_pass_in_order(rig, 0.01);
 }
 
 TEST(KukaForward, AxesKeepTheirSpeedOnALineThatNeedsThem) {
@@ -283,16 +165,7 @@ TEST(KukaForward, OutputsAreSwitchedAndInputsAreRead) {
 
 TEST(KukaForward, AControllerThatCommandsJointsIsRefused) {
   ForwardRig rig;
-  ASSERT_TRUE(rig.start()) << rig.component.reason();
-  ASSERT_TRUE(rig.passes(5));
-  const Six before = rig.q();
-  rig.commands[1] += 0.3;
-  EXPECT_EQ(rig.component.write(rig.cycle, rig.commands), ReturnType::error);
-  EXPECT_EQ(rig.component.cause(), Cause::joint_commands);
-  EXPECT_NE(rig.component.reason().find("takes only moves"), std::string::npos) << rig.component.reason();
-  rig.component.on_error();
-  expect_standing(rig);
-  EXPECT_EQ(rig.q(), before);
+  expect_joint_commands_are_refused(rig, Cause::joint_commands);
 }
 
 TEST(KukaForward, WithoutEthernetKrlItIsRefused) {
@@ -309,36 +182,12 @@ TEST(KukaForward, OnAFreeClockMovesArriveAndTheLoopNeitherAllocatesNorLocks) {
   ASSERT_EQ(component.on_configure(), CallbackReturn::success) << component.reason();
   ASSERT_EQ(component.on_activate(), CallbackReturn::success) << component.reason();
   EXPECT_FALSE(component.paces());
-  hardware::ForwardMoves& moves = *component.forward_moves(hardware::kForwardLayout);
-  EXPECT_EQ(component.forward_moves(0), nullptr) << "for a module that was built with other types";
-  std::vector<double> states(component.state_interfaces().size()),
-      commands(component.command_interfaces().size(), std::nan(""));
+  std::vector<double> states(component.state_interfaces().size());
   hardware::Cycle cycle{0, 4'000'000, 0};
   component.await_cycle(60'000'000'000);
   ASSERT_EQ(component.read(cycle, states), ReturnType::ok);
-  ForwardMove move;
-  move.id = 1;
-  for (std::size_t j = 0; j < 6; ++j) move.joints[j] = states[2 * j];
-  move.joints[0] += 0.1;
-  move.at = kuka_chain().forward(std::span(move.joints).first(6));
-  std::string violations;
-  bool fine = true, accepted = false, done = false;
-  for (int i = 0; i < 20'000 && fine && !done; ++i) {
-    component.await_cycle(60'000'000'000);
-    cycle.time += cycle.period;
-    const RealtimeGuard guard;
-    moves.set_pace(1);
-    fine =
-        component.read(cycle, states) == ReturnType::ok && component.write(cycle, commands) == ReturnType::ok;
-    accepted = accepted || moves.accept(move);
-    const ForwardFlow flow = moves.flow();
-    done = accepted && flow.idle && flow.standing && flow.done == 1;
-    if (violations.empty()) violations = guard.violations();
-  }
-  EXPECT_TRUE(fine) << component.reason();
-  EXPECT_TRUE(done);
-  EXPECT_EQ(violations, "");
-  EXPECT_NEAR(states[0], move.joints[0], 1e-3);
+  const ForwardMove move = turn_from(states, 2, kuka_chain(), 0.1);
+  expect_move_on_a_free_clock(component, move, cycle, states, 1e-3);
 }
 
 TEST(KukaForward, ALoopThatFallsSilentIsNamedAndTheRobotStops) {
@@ -390,29 +239,11 @@ INSTANTIATE_TEST_SUITE_P(Faults, KukaForwardWhileMoving,
 
 TEST_P(KukaForwardWhileMoving, IsNamedStandsAndMovesNothingWhenItIsRecovered) {
   ForwardRig rig;
-  ASSERT_TRUE(rig.start()) << rig.component.reason();
-  ASSERT_TRUE(rig.passes(5));
-  for (int i = 0; i < 8; ++i) ASSERT_TRUE(rig.moves->accept(rig.turn(i % 2 ? -0.3 : 0.3)));
-  ASSERT_TRUE(rig.passes(60));
-  rig.far().order(GetParam().order);
-  bool failed = false;
-  for (int i = 0; i < 3000 && !failed; ++i) failed = rig.pass() == ReturnType::error;
-  ASSERT_TRUE(failed);
-  expect_named(rig, GetParam());
-  expect_standing(rig);
-  mend(rig.far());
-  expect_standing(rig);
-  rig.far().order("play");
-  expect_standing(rig);  // nobody who presses Start sets it in motion
-  ASSERT_TRUE(rig.configure()) << rig.component.reason();
-  expect_standing(rig);
-  rig.forget_jumps();
-  const Six before = rig.q();
-  ASSERT_TRUE(rig.activate()) << rig.component.reason();
-  ASSERT_TRUE(rig.passes(200));
-  EXPECT_TRUE(rig.moves->flow().idle) << "what was left is forgotten";
-  EXPECT_LE(rig.largest_jump(), 1e-6);
-  for (std::size_t j = 0; j < 6; ++j) EXPECT_NEAR(rig.q()[j], before[j], 1e-6);
+  expect_fault_ends_all_moves(rig, GetParam(), 60, [&](FarSide& far) {
+    mend(far);
+    expect_standing(rig);
+    far.order("play");  // nobody who presses Start sets it in motion
+  });
 }
 
 TEST(KukaForward, AHaltThatTheProgramDoesNotConfirmIsNamed) {
@@ -429,50 +260,15 @@ TEST(KukaForward, AHaltThatTheProgramDoesNotConfirmIsNamed) {
   expect_standing(rig);
 }
 
-/// Faults drawn at random, before, during and after moves, pauses and clears. POLYARM_FAULT_ROUNDS: how many.
 TEST(KukaForwardFaults, DrawnAtRandomTheyAreAlwaysNamedAndNothingJumpsOrGoesOnByItself) {
   constexpr const char* kOrders[] = {"e_stop",  "guard_open",  "t1",           "t2",        "aut",
                                      "cancel",  "drives_off",  "stop",         "collision", "nonsense",
                                      "busy",    "close_eki",   "refuse_moves", "power_off", "refuse_drives",
                                      "old_rsi", "refuse_start"};
-  const int rounds = fault_rounds(30);
-  Draw draw(31);
   ForwardRig rig;
-  int named = 0;
-  for (int round = 0; round < rounds; ++round) {
-    const std::string order = kOrders[draw(std::size(kOrders))];
-    if (!rig.configure()) {
-      ADD_FAILURE() << round << " " << rig.component.reason();
-      break;
-    }
-    rig.forget_jumps();
-    if (draw(4) == 0) rig.far().order(order);
-    const Six before = rig.q();
-    if (rig.component.cause() == Cause::none && rig.activate()) {
-      rig.target.reset();
-      const int moves = static_cast<int>(1 + draw(9)), until = static_cast<int>(draw(200));
-      for (int i = 0; i < moves; ++i)
-        rig.moves->accept(rig.turn(i % 2 ? -0.2 : 0.2, draw(2) && i + 1 < moves ? 0.02 : 0));
-      const double pace = draw(3) == 0 ? 0 : 1;
-      bool alive = true;
-      for (int i = 0; alive && i < until; ++i) alive = rig.pass() == ReturnType::ok;
-      if (alive && draw(4) == 0) rig.moves->clear();
-      if (alive) rig.far().order(order);
-      for (int i = 0; alive && i < 150; ++i) alive = rig.pass(pace) == ReturnType::ok;
-    } else {
-      for (std::size_t j = 0; j < 6; ++j) EXPECT_NEAR(rig.q()[j], before[j], 1e-6) << order;
-    }
-    if (rig.component.cause() != Cause::none) {
-      ++named;
-      EXPECT_GT(rig.component.reason().size(), 30u) << order;
-    }
-    EXPECT_LE(rig.largest_jump(), 6 * 0.004) << order;  // rad in 4 ms, of the fastest axis
-    rig.component.on_error();
-    expect_standing(rig);
-    mend(rig.far());
-    expect_standing(rig);
-  }
-  EXPECT_GT(named, rounds / 3);
+  expect_random_faults_end_all_moves(
+      rig, kOrders, {.seed = 31, .until = 200, .after = 150, .most_jump = 6 * 0.004, .least_named = 1.0 / 3},
+      mend);
 }
 
 }  // namespace

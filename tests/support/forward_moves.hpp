@@ -34,13 +34,13 @@ class ForwardMoveRig : public ForwardCalls<Rig> {
     };
     return to(out, *forward::near_joints(jacobian, at, from), at, blend);
   }
-  /// Half a circle upwards.
-  hardware::ForwardMove arc() {
+  /// Half a circle upwards, or to `by` past `via`.
+  hardware::ForwardMove arc(const Vec3& by = {0, -0.2, 0}, const Vec3& via = {0, -0.1, 0.1}) {
     const Pose from = Rig::chain().forward(this->q());
-    hardware::ForwardMove out = shift({0, -0.2, 0});
+    hardware::ForwardMove out = shift(by);
     out.kind = hardware::ForwardMove::Kind::arc;
     out.via = from;
-    out.via.position = from.position + Vec3{0, -0.1, 0.1};
+    out.via.position = from.position + via;
     return out;
   }
   Vec3 place() { return Rig::chain().forward(this->q()).position; }

@@ -37,15 +37,6 @@ INSTANTIATE_TEST_SUITE_P(
                     FaultRow{"deaf", Cause::not_reading, "does not read its commands"}),
     [](const auto& info) { return std::string(info.param.order); });
 
-/// The robot comes to a standstill, and stays there whatever happens next.
-void expect_standing(UrRig& rig) {
-  for (int i = 0; i < 500; ++i) rig.far().step();
-  const ur::Six at = rig.q();
-  for (int i = 0; i < 200; ++i) rig.far().step();
-  const ur::Six later = rig.q();
-  for (std::size_t j = 0; j < 6; ++j) EXPECT_EQ(later[j], at[j]) << "joint " << j;
-}
-
 TEST_P(WhileMoving, IsNamedStandsAndDoesNotJumpWhenItIsRecovered) {
   UrRig rig(Parameters{{"watchdog_ms", "200"}});
   ASSERT_TRUE(rig.start()) << rig.component.reason();

@@ -1,11 +1,8 @@
 #pragma once
-#include <algorithm>
-#include <optional>
 #include <thread>
 
-#include "drivers/forward/near_joints.hpp"
 #include "polyarm/kinematics/chain.hpp"
-#include "tests/support/forward_calls.hpp"
+#include "tests/support/forward_moves.hpp"
 #include "tests/ur/rig.hpp"
 
 namespace polyarm::test {
@@ -22,73 +19,23 @@ inline const kinematics::Chain& ur_chain() {
   return chain;
 }
 
-inline void expect_standing_of(FarSide& far) {
-  const auto at = [&] { return far.with([](ur::Machine& machine) { return machine.q(); }); };
-  for (int i = 0; i < 500; ++i) far.step();
-  const ur::Six stopped = at();
-  for (int i = 0; i < 200; ++i) far.step();
-  EXPECT_EQ(at(), stopped);
-}
+class UrMoveRig : public UrRig {
+ public:
+  using UrRig::UrRig;
+  static const kinematics::Chain& chain() { return ur_chain(); }
+};
 
 /// The driver on its simulated controller, with moves for it.
-class ForwardRig : public ForwardCalls<UrRig> {
+class ForwardRig : public ForwardMoveRig<UrMoveRig> {
  public:
-  using ForwardCalls::ForwardCalls;
-  /// A joint move to where the robot is, with joint 1 moved by so much.
-  hardware::ForwardMove turn(double by, double blend = 0) {
-    hardware::ForwardMove out;
-    ur::Six q = target ? *target : this->q();
-    q[0] += by;
-    out.share = 0.5;
-    return to(out, q, ur_chain().forward(q), blend);
-  }
-  /// A line of the flange by so much.
-  hardware::ForwardMove shift(const Vec3& by, double blend = 0) {
-    hardware::ForwardMove out;
-    out.kind = hardware::ForwardMove::Kind::line;
-    const ur::Six from = target ? *target : q();
-    Pose at = ur_chain().forward(from);
-    at.position = at.position + by;
-    const auto jacobian = [](const ur::Six& one, std::array<double, 36>& J) {
-      return ur_chain().jacobian(one, J);
-    };
-    return to(out, *forward::near_joints(jacobian, at, from), at, blend);
-  }
-  /// Half a circle downwards.
-  hardware::ForwardMove arc() {
-    const Pose from = ur_chain().forward(q());
-    hardware::ForwardMove out = shift({0, 0.2, 0});
-    out.kind = hardware::ForwardMove::Kind::arc;
-    out.via = from;
-    out.via.position = from.position + Vec3{0, 0.1, -0.1};
-    return out;
-  }
-  Vec3 place() { return ur_chain().forward(q()).position; }
+  using ForwardMoveRig::ForwardMoveRig;
   double slider() {
     return far().with([](ur::Machine& machine) { return machine.speed_slider(); });
   }
-  void forget_jumps() {
-    far().with([](ur::Machine& machine) { return machine.forget_jumps(), 0; });
-  }
-  double largest_jump() {
-    return far().with([](ur::Machine& machine) { return machine.largest_jump(); });
-  }
-  /// The robot comes to a standstill, and stays there whatever happens next.
-  void expect_standing() { expect_standing_of(far()); }
-  std::optional<ur::Six> target;
-
- private:
-  hardware::ForwardMove to(hardware::ForwardMove out, const ur::Six& q, const Pose& at, double blend) {
-    target = q;
-    std::copy(q.begin(), q.end(), out.joints.begin());
-    out.id = ++id;
-    out.at = at;
-    out.speed = 0.25;
-    out.blend = blend;
-    out.stops = !(blend > 0);
-    return out;
-  }
 };
+inline void expect_standing(ForwardRig& rig) {
+  expect_standing_of(rig.far());
+}
 
 inline ur::FarSideOptions far_options() {
   ur::FarSideOptions options;
@@ -118,15 +65,6 @@ class ForwardAlone {
     component.await_cycle(1'000'000'000);
     return component.read(cycle, states) == ReturnType::ok;
   }
-  hardware::ForwardMove turn(double by) {
-    hardware::ForwardMove out;
-    out.id = 1;
-    for (std::size_t j = 0; j < 6; ++j) out.joints[j] = states[4 * j];
-    out.joints[0] += by;
-    out.at = ur_chain().forward(std::span(out.joints).first(6));
-    return out;
-  }
-
   FarSide far;
   ur::UrComponent component;
   std::vector<double> states, commands;

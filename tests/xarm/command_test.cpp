@@ -1,19 +1,11 @@
 /// The example, `polyarm far-side xarm` and `polyarm setup xarm`, as users start them.
-#include "tests/support/command.hpp"
-
-#include <gtest/gtest.h>
-
-#include "polyarm/base/file.hpp"
+#include "tests/support/driver_examples.hpp"
 #include "tests/support/wire_rig.hpp"
 
 namespace polyarm {
 namespace {
 
-using test::Command;
-using test::ExampleCopy;
-using test::Finished;
-using test::number_behind;
-using test::run_command;
+using namespace test;
 
 constexpr const char* kAnyPorts[] = {"--port",      "0", "--normal-port", "0",
                                      "--rich-port", "0", "--report-port", "0"};
@@ -38,24 +30,12 @@ std::vector<std::string> setup(const std::string& line) {
 
 TEST(XarmExample, PlacesOverTheControllersWiresAndRepeatsItself) {
   const ExampleCopy copy("xarm_far_side");
-  const std::vector<std::string> line{"run", copy.path(), "--fast", "--json", "--no-socket"};
-  const Finished first = run_command(line);
-  ASSERT_EQ(first.exit_code, 0) << first.output;
-  EXPECT_EQ(first.result()["result"], "completed");
-  EXPECT_NE(first.output.find("a servo command every 4 ms"), std::string::npos) << first.output;
-  EXPECT_EQ(run_command(line).result()["trace_hash"], first.result()["trace_hash"]);
+  expect_same_run_twice(copy, "a servo command every 4 ms");
 }
 
 TEST(XarmExample, AFaultOfTheControllerEndsTheRunWithItsCause) {
-  const ExampleCopy copy("xarm_far_side");
-  std::string text = read_file(copy.file("cell.yaml"));
-  ASSERT_NE(text.find("wires: 0=0"), std::string::npos);
-  text.replace(text.find("wires: 0=0"), 10, "faults: error=31@2\n      wires: 0=0");
-  write_file_atomically(copy.file("cell.yaml"), text);
-  const Finished ran = run_command({"run", copy.path(), "--fast", "--json", "--no-socket"});
-  EXPECT_EQ(ran.exit_code, 1);
-  EXPECT_NE(ran.output.find("stopped for a collision (C31)"), std::string::npos) << ran.output;
-  EXPECT_NE(ran.output.find("clear the space"), std::string::npos) << "says what to do";
+  expect_fault_ends_the_run("xarm_far_side", {"wires: 0=0", "faults: error=31@2\n      wires: 0=0"},
+                            {"stopped for a collision (C31)", "clear the space"});
 }
 
 TEST(XarmSetup, FindsTheControllerAndShowsItsSettings) {

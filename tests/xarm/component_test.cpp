@@ -2,6 +2,7 @@
 #include <algorithm>
 
 #include "tests/support/realtime_guard.hpp"
+#include "tests/support/wire_laws.hpp"
 #include "tests/xarm/rig.hpp"
 
 namespace polyarm {
@@ -44,28 +45,13 @@ TEST(XarmComponent, ReadsWhatTheControllerReports) {
 
 TEST(XarmComponent, TheTcpIsWhereTheCataloguesKinematicsHaveIt) {
   XarmRig rig;
-  ASSERT_TRUE(rig.start()) << rig.component.reason();
-  ASSERT_TRUE(rig.runs(2, [](int) {}));
-  int tip = -1;
-  for (std::size_t i = 0; i < xarm_model().links.size(); ++i)
-    if (xarm_model().links[i].name == "flange") tip = static_cast<int>(i);
-  const auto q = rig.q();
-  const Pose flange = kinematics::Chain(xarm_model(), tip).forward(std::span(q).first(6));
-  EXPECT_NEAR(rig.state("tcp_pose/position.x"), flange.position.x, 1e-6);
-  EXPECT_NEAR(rig.state("tcp_pose/position.z"), flange.position.z, 1e-6);
-  const Quaternion r{rig.state("tcp_pose/orientation.x"), rig.state("tcp_pose/orientation.y"),
-                     rig.state("tcp_pose/orientation.z"), rig.state("tcp_pose/orientation.w")};
-  EXPECT_LT(angle_between(r, flange.rotation), 1e-5);
+  expect_flange_is_where_the_model_has_it(rig, xarm_model(), "tcp_pose", 1e-6, 1e-5);
 }
 
 TEST(XarmComponent, TheFirstCommandIsTheMeasuredPosition) {
   XarmRig rig;
-  const auto before = rig.q();
-  ASSERT_TRUE(rig.start()) << rig.component.reason();
-  ASSERT_TRUE(rig.runs(200, [](int) {}));
-  EXPECT_LE(rig.largest_jump(), 1e-6);
-  EXPECT_GE(rig.far().with([](Machine& m) { return m.servo_commands(); }), 195u);
-  for (std::size_t i = 0; i < 6; ++i) EXPECT_NEAR(rig.q()[i], before[i], 1e-6);
+  const auto commands = [&] { return rig.far().with([](Machine& m) { return m.servo_commands(); }); };
+  expect_first_command_is_measured(rig, commands, 195);
 }
 
 struct Arm {
@@ -125,13 +111,7 @@ TEST_P(LoopPeriods, TheRobotFollowsWithTheLagOfTheController) {
 
 TEST(XarmComponent, NoJointIsFasterThanItsLimit) {
   XarmRig rig(Parameters{{"max_speed", "20"}});
-  ASSERT_TRUE(rig.start()) << rig.component.reason();
-  const double from = rig.command("joint1/position");
-  // 50 degrees/s: the driver holds back, and gives up in words.
-  ASSERT_TRUE(rig.fails(400, [&](int i) { rig.command("joint1/position") = from + travel(i, 0.0035); }));
-  EXPECT_EQ(rig.component.cause(), Cause::too_fast) << rig.component.reason();
-  EXPECT_NE(rig.component.reason().find("max_speed"), std::string::npos) << rig.component.reason();
-  EXPECT_LE(rig.far().with([](Machine& m) { return m.take_fastest(); }), 20.1);
+  expect_no_joint_is_faster(rig, "joint1", Cause::too_fast, "max_speed", 0.1);
 }
 
 TEST(XarmComponent, WithoutACommandTheArmHoldsAndGoesOnFromThere) {
@@ -192,13 +172,7 @@ TEST(XarmComponent, DeactivatingWhileItMovesBrakesAndLeavesTheControllerStopped)
 
 TEST(XarmComponent, LateReportsAndRepeatedAnswersMoveNothing) {
   XarmRig rig;
-  ASSERT_TRUE(rig.start()) << rig.component.reason();
-  const auto before = rig.q();
-  for (const char* fault : {"late=3", "twice"}) {
-    rig.far().order(fault);
-    ASSERT_TRUE(rig.runs(30, [](int) {})) << fault << rig.component.reason();
-  }
-  for (std::size_t i = 0; i < 6; ++i) EXPECT_NEAR(rig.q()[i], before[i], 1e-6);
+  expect_disturbed_packets_move_nothing(rig, {"late=3", "twice"});
 }
 
 TEST(XarmComponent, WrongParametersAreNamed) {
