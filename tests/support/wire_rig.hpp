@@ -158,6 +158,8 @@ std::string fault_name(const testing::TestParamInfo<FaultOf<Cause>>& info) {
 /// The robot comes to a standstill within `cycles`, and stays there.
 template <class Rig>
 void expect_standing(Rig& rig, int cycles = 300) {
+  // What the driver sent last may still be on its way.
+  if constexpr (requires { rig.far().settle(); }) rig.far().settle();
   for (int i = 0; i < cycles; ++i) rig.far().step();
   const auto at = rig.q();
   for (int i = 0; i < 100; ++i) rig.far().step();

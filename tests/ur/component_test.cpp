@@ -1,6 +1,7 @@
 /// The driver against the simulated controller: states, commands, life cycle.
 #include <algorithm>
 #include <limits>
+#include <thread>
 
 #include "polyarm/kinematics/chain.hpp"
 #include "tests/support/realtime_guard.hpp"
@@ -229,6 +230,7 @@ TEST(UrComponent, DeactivatingEndsTheProgramAndTheRobotStands) {
   const double from = rig.command("wrist_1_joint/position");
   ASSERT_TRUE(rig.runs(200, [&](int i) { rig.command("wrist_1_joint/position") = from + 0.001 * i; }));
   EXPECT_EQ(rig.component.on_deactivate(), CallbackReturn::success);
+  while (rig.far().program_runs()) std::this_thread::yield();  // its end is on the way
   for (int i = 0; i < 500; ++i) rig.far().step();
   EXPECT_TRUE(rig.far().with([](ur::Machine& m) { return m.still(); }));
   EXPECT_FALSE(rig.far().program_runs());

@@ -185,6 +185,7 @@ TEST(UrFaults, TheRobotsProgramStopsTheRobotWhenCommandsEnd) {
   ASSERT_TRUE(rig.start()) << rig.component.reason();
   const double from = rig.command("elbow_joint/position");
   ASSERT_TRUE(rig.runs(100, [&](int i) { rig.command("elbow_joint/position") = from + 0.001 * (i + 1); }));
+  ASSERT_EQ(rig.read(), ReturnType::ok);            // waits until the program has the last command
   for (int i = 0; i < 4000; ++i) rig.far().step();  // 8 s without a command
   EXPECT_TRUE(rig.far().with([](ur::Machine& m) { return m.still(); }));
   ASSERT_TRUE(rig.fails(500, [](int) {}));
