@@ -255,6 +255,11 @@ class ValueCheck {
       return report(s.second->place, "bad-type",
                     "a range goes from one number to another of the same unit, here are " +
                         described(*first) + " and " + described(*last));
+    const auto whole = [](const Number& n) { return n.value == std::floor(n.value); };
+    if (from->dimension != Dimension::none && !(whole(*from) && whole(*to)) && quiet_ == 0)
+      scope_.warning("range-step", s.second->place,
+                     std::string("this range counts in steps of 1") + data::unit_text(from->dimension),
+                     "count without a unit and multiply, such as for i in 0 .. 5, and i * 10mm");
     const bool written =
         s.expression->kind == Expression::Kind::literal && s.second->kind == Expression::Kind::literal;
     if (written && to->value < from->value && quiet_ == 0)

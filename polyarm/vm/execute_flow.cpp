@@ -109,6 +109,16 @@ void Interpreter::leave(Task& task, const Depths& to, int names) {
   give_back_locks(task, frame.locks + static_cast<std::size_t>(to.locks));
 }
 
+namespace {
+/// The end of a range whose calculated end misses a whole number of steps by its rounding: 300mm / 100mm is a
+/// bit less than 3.
+double end_of_range(double from, double to) {
+  constexpr double kRounding = 1e-12;  // of the larger end
+  const double whole = from + std::round(to - from);
+  return std::abs(whole - to) <= kRounding * std::max({1.0, std::abs(from), std::abs(to)}) ? whole : to;
+}
+}  // namespace
+
 /// Registers of a loop: the position, the list or the last number, and its names.
 void Interpreter::begin_for(Task& task, const Step& step) {
   const Statement& s = *source(step).statement;
@@ -129,6 +139,7 @@ void Interpreter::begin_for(Task& task, const Step& step) {
     constexpr double kLargest = 1e15;  // beyond it an increment of one may be lost
     if (std::abs(from->value) > kLargest || std::abs(to->value) > kLargest)
       fail_at(place, "bad-type", "this range is too large to count");
+    over = data::Number{end_of_range(from->value, to->value), to->dimension};
   } else if (!over.as_list()) {
     fail_at(place, "bad-type", "a list, or a range such as 1 .. 5, was expected");
   }
