@@ -1,7 +1,9 @@
 #include <functional>
 #include <map>
+#include <optional>
 #include <set>
 #include <string>
+#include <utility>
 
 #include "polyarm/program/code.hpp"
 #include "polyarm/program/scope.hpp"
@@ -42,23 +44,38 @@ class TaskCheck {
   }
 
  private:
-  /// Two tasks that command one robot outside a lock.
-  void robots_in(const Block& block_, const Statement& task, std::map<std::string, Use>& robots) {
+  /// Two tasks that command one robot outside a lock. What a function moves counts at its call, which `call`
+  /// is then.
+  void robots_in(const Block& block_, const Statement& task, std::map<std::string, Use>& robots,
+                 std::optional<Place> call = {}) {
     for (const Statement& s : block_) {
       if (s.kind == Statements::lock) continue;
       bool named = false;
       for (const Clause& clause : s.clauses) {
+        robots_in(clause.otherwise, task, robots, call);
         if (clause.kind != Clause::Kind::robot || !clause.value) continue;
         const std::string name =
             clause.value->kind == Expression::Kind::literal ? clause.value->value.text() : clause.value->name;
-        used(name, clause.place, task, robots);
+        used(name, call.value_or(clause.place), task, robots);
         named = true;
       }
-      if (s.kind == Statements::move && !named && !only_.empty() && !s.moves_base()) used(only_, s.place, task, robots);
-      robots_in(s.body, task, robots);
-      robots_in(s.handler, task, robots);
-      for (const Branch& branch : s.branches) robots_in(branch.body, task, robots);
+      if (s.kind == Statements::move && !named && !only_.empty() && !s.moves_base())
+        used(only_, call.value_or(s.place), task, robots);
+      robots_called(s, task, robots, call);
+      robots_in(s.body, task, robots, call);
+      robots_in(s.handler, task, robots, call);
+      for (const Branch& branch : s.branches) robots_in(branch.body, task, robots, call);
     }
+  }
+  void robots_called(const Statement& s, const Statement& task, std::map<std::string, Use>& robots,
+                     std::optional<Place> call) {
+    for_each_expression(s, [&](const Expression& e) {
+      for_each_call(e, [&](const Expression& each) {
+        const Statement* function = scope_.function(each.name);
+        if (function && called_.insert({&task, function}).second)
+          robots_in(function->body, task, robots, call.value_or(each.place));
+      });
+    });
   }
 
   void used(const std::string& name, Place place, const Statement& task, std::map<std::string, Use>& robots) {
@@ -77,6 +94,7 @@ class TaskCheck {
   const Program& program_;
   Scope& scope_;
   std::string only_;  ///< the robot of a cell with one robot
+  std::set<std::pair<const Statement*, const Statement*>> called_;  ///< tasks, and functions that they call
 };
 
 /// Statements of one `together` run at the same time, so each moves robots of its own.
