@@ -106,15 +106,28 @@ void Interpreter::forget_arrived(Task& task) const {
   while (!task.moves.empty() && !is_open(task.moves.front())) task.moves.pop_front();
 }
 
+/// Of a `together`, the wait is that of one of its parts: a question, or the part that works.
 void Interpreter::status_of(const Task& task, TaskStatus& out) const {
   const Place place = place_of(task);
+  const auto part_of = [this](const Task& whole) -> const Task* {
+    for (const auto& other : tasks_)
+      if (other->parent == whole.id && !other->over() && other->waiting.kind == WaitKind::user)
+        return other.get();
+    return working_child_of(whole);
+  };
+  const Task* waits = &task;
+  while (waits->waiting.kind == WaitKind::together) {
+    const Task* const part = part_of(*waits);
+    if (!part || part->waiting.kind == WaitKind::none) break;
+    waits = part;
+  }
   out.name = task.name;
   out.state = task.state;
   out.where.file = program_.file_of(place);
   out.where.line = place.line;
   out.where.column = place.column;
   out.source = program_.line_of(place);
-  out.waiting = task.waiting;
+  out.waiting = waits->waiting;
   out.passes = task.passes;
   out.cycles = cycles_of(task);
   out.problem = task.problem;

@@ -367,6 +367,17 @@ TEST_F(ProgramRequests, EventsTellLinesAndLogsOnceEach) {
   EXPECT_EQ(again["result"].size(), cell->cell().events().events().size());
 }
 
+TEST_F(ProgramRequests, AQuestionOfATogetherIsAsked) {
+  folder.write("asking.script", "together\n  wait user \"go?\"\n  wait 100ms\nend\n");
+  cell->cell().answers().can_answer = true;
+  ASSERT_TRUE(load("asking.script")["ok"].get<bool>());
+  cell->ask({{"request", "program.start"}});
+  cell->run(0.3);
+  EXPECT_EQ(state()["question"], "go?") << state().dump(1);
+  EXPECT_TRUE(cell->ask({{"request", "program.answer"}, {"text", "yes"}})["ok"].get<bool>());
+  until("finished", 2);
+}
+
 TEST_F(ProgramRequests, VariablesAndDataCanBeLookedAt) {
   ASSERT_TRUE(load("work_data")["ok"].get<bool>());
   const Json now = cell->result({{"request", "program"}, {"data", true}});
