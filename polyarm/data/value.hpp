@@ -45,6 +45,7 @@ struct Taught {
   std::string tool;   ///< the tool whose tool centre point it is
   std::string robot;  ///< model of the robot
   JointState joints;  ///< the joint state of that robot at the point
+  Quaternion axes;    ///< axes along which offset() shifts it, in the coordinates of its pose
   friend bool operator==(const Taught&, const Taught&) = default;
 };
 

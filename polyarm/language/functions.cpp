@@ -7,6 +7,7 @@
 
 #include "polyarm/base/text.hpp"
 #include "polyarm/base/unit_advice.hpp"
+#include "polyarm/data/point_frames.hpp"
 #include "polyarm/language/running_functions.hpp"
 #include "polyarm/language/text_functions.hpp"
 
@@ -69,6 +70,12 @@ Value atan2_of(Values a, Names) {
   return number(std::atan2(of(a[0]), of(a[1])), Dimension::angle);
 }
 
+void require_one_frame(const Point& a, const Point& b, const char* function) {
+  if (a.frame().empty() || b.frame().empty() || a.frame() == b.frame()) return;
+  refuse(std::string(function) + " takes poses of one frame, here are '" + a.frame() + "' and '" + b.frame() +
+         "'");
+}
+
 Pose shift(Values a) {
   return pose_xyz_rpy({of(a[0]), of(a[1]), of(a[2])}, {of(a[3]), of(a[4]), of(a[5])});
 }
@@ -100,11 +107,13 @@ Value joints(Values a, Names names) {
 Value offset(Values a, Names) {
   const Pose& p = pose_of(a[0]);
   const Pose by = shift(a.subspan(1));
-  return Point{{p.position + by.position, by.rotation * p.rotation}, a[0].as_point()->quaternion_given};
+  const Quaternion axes = data::axes_of(*a[0].as_point());
+  return data::in_frame_of(
+      *a[0].as_point(), {p.position + axes * by.position, axes * by.rotation * inverse(axes) * p.rotation});
 }
 
 Value tool_offset(Values a, Names) {
-  return Point{pose_of(a[0]) * shift(a.subspan(1)), a[0].as_point()->quaternion_given};
+  return data::in_frame_of(*a[0].as_point(), pose_of(a[0]) * shift(a.subspan(1)));
 }
 
 Value inverse_of(Values a, Names) {
@@ -112,6 +121,7 @@ Value inverse_of(Values a, Names) {
 }
 
 Value distance(Values a, Names) {
+  require_one_frame(*a[0].as_point(), *a[1].as_point(), "distance()");
   return number(norm(pose_of(a[0]).position - pose_of(a[1]).position), Dimension::length);
 }
 
@@ -124,7 +134,13 @@ Pose between(const Pose& a, const Pose& b, double share) {
 
 Value interpolate(Values a, Names) {
   const double share = of(a[2]);
-  if (a[0].as_point() && a[1].as_point()) return Point{between(pose_of(a[0]), pose_of(a[1]), share), false};
+  if (a[0].as_point() && a[1].as_point()) {
+    const Point &from = *a[0].as_point(), &to = *a[1].as_point();
+    require_one_frame(from, to, "interpolate()");
+    Point out = data::in_frame_of(from.frame().empty() ? to : from, between(from.pose, to.pose, share));
+    out.quaternion_given = false;
+    return out;
+  }
   const JointState *first = a[0].as_joints(), *last = a[1].as_joints();
   if (!first || !last) refuse("interpolate() takes two poses or two joint states, not one of each");
   JointState out = *first;
@@ -150,7 +166,7 @@ double as_field(const Value& value, Dimension dimension, const std::string& fiel
 /// A point that is changed is no longer the one that was taught.
 Value unnamed(const Value& place) {
   if (place.as_joints()) return *place.as_joints();
-  return Point{place.as_point()->pose, place.as_point()->quaternion_given};
+  return data::in_frame_of(*place.as_point(), place.as_point()->pose);
 }
 
 void set_field_of(Value& of, const std::string& field, const Value& value) {
@@ -210,16 +226,17 @@ Series places_of_pallet(Values a) {
   const auto step = [&](const Value& end, int count) {
     return (count > 1 ? 1.0 / (count - 1) : 0.0) * (pose_of(end).position - corner.position);
   };
-  const Vec3 along = step(a[1], columns), across = step(a[2], rows), up{0, 0, of(a[6])};
-  const bool quaternion = a[0].as_point()->quaternion_given;
+  const Point first = *a[0].as_point();
+  for (const Value& end : {a[1], a[2]}) require_one_frame(first, *end.as_point(), "pallet()");
+  const Vec3 along = step(a[1], columns), across = step(a[2], rows),
+             up = data::axes_of(first) * Vec3{0, 0, of(a[6])};
   const auto of_layer = static_cast<std::size_t>(rows) * static_cast<std::size_t>(columns);
   const auto place = [=](std::size_t i) -> Value {
     const std::size_t layer = i / of_layer, row = i % of_layer / static_cast<std::size_t>(columns),
                       column = i % static_cast<std::size_t>(columns);
-    return Point{{corner.position + static_cast<double>(column) * along + static_cast<double>(row) * across +
-                      static_cast<double>(layer) * up,
-                  corner.rotation},
-                 quaternion};
+    return data::in_frame_of(first, {corner.position + static_cast<double>(column) * along +
+                                         static_cast<double>(row) * across + static_cast<double>(layer) * up,
+                                     corner.rotation});
   };
   return {of_layer * static_cast<std::size_t>(layers), place};
 }

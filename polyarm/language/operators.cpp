@@ -8,6 +8,7 @@
 #include "polyarm/base/bounds.hpp"
 #include "polyarm/base/text.hpp"
 #include "polyarm/base/unit_advice.hpp"
+#include "polyarm/data/point_frames.hpp"
 
 namespace polyarm::program {
 
@@ -85,7 +86,7 @@ void refuse_zero(const Number& divisor, Operator op) {
 
 Value multiply(const Value& a, const Value& b) {
   if (a.as_point() && b.as_point())
-    return data::Point{a.as_point()->pose * b.as_point()->pose, a.as_point()->quaternion_given};
+    return data::in_frame_of(*a.as_point(), a.as_point()->pose * b.as_point()->pose);
   const auto [x, y] = numbers(Operator::multiply, a, b);
   const auto dimension = product(x.dimension, y.dimension);
   if (!dimension)

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "polyarm/base/text.hpp"
+#include "polyarm/data/point_frames.hpp"
 #include "polyarm/moves/forward_plan.hpp"
 #include "polyarm/setup/relative_moves.hpp"
 #include "polyarm/tasks/program_host.hpp"
@@ -93,13 +94,24 @@ Pose ProgramMoves::frame_named(const std::string& name, const Arm& arm, const Lo
               "a frame is a point of the data, 'world', 'base', or ROBOT/base, ROBOT/flange, ROBOT/tcp"});
 }
 
+namespace {
+/// True if the frame hangs on the base of the robot that moves.
+bool hangs_on_base(const data::DataStore& store, const std::string& frame, int depth = 0) {
+  constexpr int kDeepest = 16;
+  if (frame.empty() || depth > kDeepest) return false;
+  const data::Value* value = store.find(frame);
+  const data::Point* point = value ? value->as_point() : nullptr;
+  return point ? hangs_on_base(store, point->frame(), depth + 1) : frame == "base";
+}
+}  // namespace
+
+/// A point stays in a frame that each robot has for itself.
 data::Point ProgramMoves::in_world(const data::Point& point) const {
-  data::Point out = point;
-  if (point.frame().empty() || arms_.empty() || !belt_of_frame(point.frame()).empty()) return out;
-  out.pose = frame_named(point.frame(), arms_.front(), {}) * point.pose;
-  data::Taught taught = *point.taught;
-  taught.frame = "world";
-  out.taught = std::make_shared<data::Taught>(std::move(taught));
+  if (point.frame().empty() || arms_.empty() || !belt_of_frame(point.frame()).empty()) return point;
+  if (arms_.size() > 1 && hangs_on_base(store_, point.frame())) return point;
+  const Pose frame = frame_named(point.frame(), arms_.front(), {});
+  data::Point out = data::converted(point, "world", normalized(frame.rotation * data::axes_of(point)));
+  out.pose = frame * point.pose;
   return out;
 }
 

@@ -49,7 +49,8 @@ Json from_value(const Value& value) {
   if (const auto* point = value.as_point()) {
     Json out{{"pose", from_pose(point->pose)}, {"quaternion", point->quaternion_given}};
     if (const data::Taught* t = point->taught.get())
-      out["taught"] = {t->frame, t->tool, t->robot, t->joints.names, t->joints.positions};
+      out["taught"] = {
+          t->frame, t->tool, t->robot, t->joints.names, t->joints.positions, from_pose({{}, t->axes})};
     return out;
   }
   const data::Record& record = *value.as_record();
@@ -76,7 +77,8 @@ Value to_value(const Json& j) {
           data::Taught{t->at(0),
                        t->at(1),
                        t->at(2),
-                       {t->at(3).get<std::vector<std::string>>(), t->at(4).get<std::vector<double>>()}});
+                       {t->at(3).get<std::vector<std::string>>(), t->at(4).get<std::vector<double>>()},
+                       t->size() > 5 ? to_pose(t->at(5)).rotation : Quaternion{}});
     return out;
   }
   data::Record record{j.at("record").get<std::vector<std::string>>(), all(j.at("values"))};

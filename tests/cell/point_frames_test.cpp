@@ -1,21 +1,22 @@
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 #include "polyarm/base/text.hpp"
 #include "tests/support/lock_step_cell.hpp"
 
 namespace polyarm {
 namespace {
 
+constexpr const char* kUr3 = "{arm: {model: universal_robots/ur3, hardware: mock, tool: suction_cup}}";
+
 /// A UR3 on the mock, with points and a program of the test's own.
 class PointFrames : public testing::Test {
  protected:
-  void run(const std::string& points, const std::string& program) {
+  void run(const std::string& points, const std::string& program, const std::string& robots = kUr3) {
     hardware::register_driver(
         "mock", [] { return std::unique_ptr<hardware::Component>(new drivers::MockComponent); });
-    folder.write(
-        "cell.yaml",
-        "polyarm: cell/1\nrobots: {arm: {model: universal_robots/ur3, hardware: mock, tool: suction_cup}}\n"
-        "program: main.script\n");
+    folder.write("cell.yaml", "polyarm: cell/1\nrobots: " + robots + "\nprogram: main.script\n");
     folder.write("places.points", points);
     folder.write("main.script", "load places\n" + program);
     cell::CellOptions options;
@@ -31,10 +32,10 @@ class PointFrames : public testing::Test {
     }
     cell->loop().end();
   }
-  void expect_tcp(const Pose& wanted) {
+  void expect_tcp(const Pose& wanted, std::size_t robot = 0) {
     ASSERT_FALSE(cell->failure()) << cell->failure()->problem.text();
-    EXPECT_LT(norm(cell->tcp(0).position - wanted.position), 1e-6);
-    EXPECT_LT(angle_between(cell->tcp(0).rotation, wanted.rotation), 1e-6);
+    EXPECT_LT(norm(cell->tcp(robot).position - wanted.position), 1e-6);
+    EXPECT_LT(angle_between(cell->tcp(robot).rotation, wanted.rotation), 1e-6);
   }
 
   test::Folder folder;
@@ -92,6 +93,40 @@ TEST_F(PointFrames, AFrameThatHangsOnItselfIsToldAndNothingHangs) {
   run(kFramedPoints, "movej a\n");
   ASSERT_TRUE(cell->failure());
   EXPECT_NE(cell->failure()->problem.text().find("hangs on itself"), std::string::npos);
+}
+
+TEST_F(PointFrames, WhatIsMadeOfAFramedPointIsInItsFrameWhateverTheFrameOfTheMove) {
+  const Pose shifted = kTable * pose_xyz_rpy({0.08, 0.02, 0.12}, {3, 0, 0.2});
+  const std::string offset = "movej offset(p, x = 30mm, z = 20mm, rz = 0.2rad)\n";
+  run(kFramedPoints, offset);
+  expect_tcp(shifted);
+  run(kFramedPoints, "use frame table\n" + offset);
+  expect_tcp(shifted);
+  run(kFramedPoints, "use frame table\nmovej tool_offset(p, y = 20mm)\n");
+  expect_tcp(kTable * kOnTable * Pose{{0, 0.02, 0}, {}});
+  run(kFramedPoints, "use frame table\nmovej p * pose(y = 20mm)\n");
+  expect_tcp(kTable * kOnTable * Pose{{0, 0.02, 0}, {}});
+  const Pose high = kTable * pose_xyz_rpy({0.05, 0.02, 0.12}, {3, 0, 0});
+  run(kFramedPoints, "use frame table\nlet above = offset(p, z = 40mm)\nmovej interpolate(p, above, 50%)\n");
+  expect_tcp(high);
+  run(kFramedPoints, "use frame table\nmovej p with z = p.z + 20mm\n");
+  expect_tcp(high);
+  run(kFramedPoints,
+      "use frame table\nlet slots = pallet(p, offset(p, x = 40mm), offset(p, y = 30mm), 2, 2, 2, 20mm)\n"
+      "movej slots[8]\n");
+  expect_tcp(kTable * pose_xyz_rpy({0.09, 0.05, 0.12}, {3, 0, 0}));
+}
+
+TEST_F(PointFrames, TheBaseIsThatOfTheRobotThatMoves) {
+  const std::string point = "Pose: RPY\nName: p\nPoint: 0.25, 0.1, 0.15, 3, 0, 0; frame = \"base\"\n";
+  const std::string two =
+      "{left: {model: universal_robots/ur3, hardware: mock}, right: {model: universal_robots/ur3, hardware: "
+      "mock, at: [0.9, 0, 0.1], rpy: [0, 0, 180deg]}}";
+  const Pose base = pose_xyz_rpy({0.9, 0, 0.1}, {0, 0, std::acos(-1)});
+  run(point, "use robot right\nmovej p\n", two);
+  expect_tcp(base * pose_xyz_rpy({0.25, 0.1, 0.15}, {3, 0, 0}), 1);
+  run(point, "use robot right\nmovej offset(p, z = 20mm)\n", two);
+  expect_tcp(base * pose_xyz_rpy({0.25, 0.1, 0.17}, {3, 0, 0}), 1);
 }
 
 /// A point as `polyarm data teach` keeps it, of this robot standing in `joints` with `tool`.
