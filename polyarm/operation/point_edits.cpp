@@ -201,6 +201,8 @@ Pose frame_in_world(const CellSetup& setup, const data::DataStore& store, const 
   if (frame.empty() || frame == "world") return {};
   for (const auto& robot : setup.robots)
     if (frame == robot->entry.name + "/base") return robot->entry.base;
+  if (frame == "base" && setup.robots.size() == 1 && !store.find(frame))
+    return setup.robots.front()->entry.base;
   if (depth > 16) throw Error("unknown-frame", "the frame '" + frame + "' is in itself");
   const data::Point* point = place_of(store, frame).as_point();
   if (!point) throw Error("unknown-frame", "'" + frame + "' is a joint state, no frame");

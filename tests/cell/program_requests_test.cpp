@@ -433,6 +433,24 @@ TEST_F(MoveRequest, GoesToJointsPosesAndNamedPoints) {
   EXPECT_NEAR(joint("joint_1"), 0.3, 1e-9);
 }
 
+TEST_F(MoveRequest, GoesToPointsInFramesWhereTheirFramesPutThem) {
+  ASSERT_TRUE(move({to(0.4, 0.1)})["ok"].get<bool>());
+  const Json at = cell->result({{"request", "jog.state"}});
+  ASSERT_TRUE(move({to(0, 0)})["ok"].get<bool>());
+  std::string numbers;
+  for (int k = 0; k < 3; ++k)
+    numbers += Json(at["position"][k].get<double>() - (k == 0 ? 0.1 : 0.0)).dump() + ", ";
+  for (int k = 0; k < 3; ++k) numbers += (k > 0 ? ", " : "") + at["rpy"][k].dump();
+  folder.write("places.points", std::string(kPoints) +
+                                    "Pose: RPY\nName: shelf\nPoint: 0.1, 0, 0, 0, 0, 0\nName: P\nPoint: " +
+                                    numbers + "; frame = \"shelf\"\n");
+  ASSERT_TRUE(load("work_data")["ok"].get<bool>());
+  ASSERT_TRUE(move("P")["ok"].get<bool>());
+  const Json there = cell->result({{"request", "jog.state"}});
+  for (int k = 0; k < 3; ++k)
+    EXPECT_NEAR(there["position"][k].get<double>(), at["position"][k].get<double>(), 1e-4);
+}
+
 TEST_F(MoveRequest, SeveralPointsAreOnePathUnlessItIsToRestAtEach) {
   const Json points = {to(0.4, 0.1), to(0.6, -0.3), to(0.1, 0.2)};
   EXPECT_EQ(stops({{"points", points}}), 1) << "at the end alone";
