@@ -453,6 +453,14 @@ TEST(Rehearsal, AFrameOnARobotThatHasNotArrivedIsAnError) {
   EXPECT_EQ(checked(moves + "wait 0s\n" + to).texts, "");
 }
 
+TEST(Rehearsal, WaitsOfATogetherAreFollowed) {
+  const auto first = [](const std::string& wait) {
+    return checked("together\n  " + wait + "\n  wait 2s\nend\nmovej pose(3m, 0, 0)\n", kTags).texts;
+  };
+  EXPECT_EQ(first("wait 1s").rfind("E5 unreachable", 0), 0u) << first("wait 1s");
+  EXPECT_EQ(first("wait Ready").rfind("E5 unreachable", 0), 0u) << first("wait Ready");
+}
+
 TEST(Rehearsal, AnErrorThatEveryRunRaisesIsOne) {
   EXPECT_EQ(checked("try\n  raise \"a\"\non error e\n  retry 3\nend\n").texts, "E2 user a\n");
   EXPECT_EQ(checked("together\n  log(1)\n  raise \"b\"\nend\n").texts, "E3 user b\n");
