@@ -10,6 +10,7 @@
 #include "polyarm/base/quantity.hpp"
 #include "polyarm/base/text.hpp"
 #include "polyarm/base/unit_advice.hpp"
+#include "polyarm/data/point_in_world.hpp"
 
 namespace polyarm::apps {
 
@@ -227,11 +228,19 @@ class Reader {
     return out;
   }
 
+  const data::Value* value_of(const std::string& name) const {
+    for (auto set = places_.sets.rbegin(); set != places_.sets.rend(); ++set)
+      if (const data::Value* value = set->value(name)) return value;
+    return nullptr;
+  }
+
   MoveTarget named(const std::string& word) const {
-    for (auto set = places_.sets.rbegin(); set != places_.sets.rend(); ++set) {
-      const data::Value* value = set->value(word);
-      if (!value) continue;
-      if (const data::Point* point = value->as_point()) return {point->pose, word};
+    if (const data::Value* value = value_of(word)) {
+      if (const data::Point* point = value->as_point())
+        return {data::pose_in_world(
+                    *point, word, [this](const std::string& name) { return value_of(name); },
+                    &places_.robot.chain.base()),
+                word};
       if (const data::JointState* state = value->as_joints()) return {ordered(*state, word), word};
       refuse(word, std::string("is ") + data::name(value->kind()), "a target is a pose or a joint state");
     }

@@ -38,6 +38,10 @@ class Plan : public testing::Test {
     out << std::ifstream(file(name)).rdbuf();
     return out.str();
   }
+  static std::string last_line(std::string text) {
+    while (text.ends_with('\n')) text.pop_back();
+    return text.substr(text.rfind('\n') + 1);
+  }
   static test::Finished plan(std::vector<std::string> arguments) {
     arguments.insert(arguments.begin(), "plan");
     return test::run_command(arguments);
@@ -160,6 +164,28 @@ TEST_F(Plan, PointsOfACell) {
   const auto wrong = plan({cell, "movel", "Plac"});
   EXPECT_EQ(wrong.exit_code, 1);
   EXPECT_TRUE(says(wrong, "did you mean 'Place'")) << wrong.output;
+}
+
+TEST_F(Plan, PointsInFramesAreWhereTheirFramesPutThem) {
+  const std::string points = write(
+      "framed.points",
+      "Pose: RPY\nName: table\nPoint: 0.4, 0.1, 0.2, 0, 0, 0.5\nName: P\nPoint: 0.1, 0, 0.1, 3, 0, 0; frame "
+      "= \"table\"\nName: B\nPoint: 0.4, 0.1, 0.3, 3, 0, 0; frame = \"base\"\nName: T\nPoint: 0, 0, 0.1, "
+      "0, 0, 0; frame = \"arm/tcp\"\n");
+  const auto to = [&](const std::string& point) {
+    return ur({"movej", point, "--data", points, "--csv", file("way.csv")});
+  };
+  const auto framed = to("P");
+  ASSERT_EQ(framed.exit_code, 0) << framed.output;
+  std::vector<double> last;
+  std::istringstream line(last_line(read("way.csv")));
+  for (std::string value; std::getline(line, value, ',');) last.push_back(std::stod(value));
+  ASSERT_GT(last.size(), 4u);
+  EXPECT_NEAR(last[last.size() - 4], 0.4 + 0.1 * std::cos(0.5), 1e-5);
+  EXPECT_NEAR(last[last.size() - 3], 0.1 + 0.1 * std::sin(0.5), 1e-5);
+  EXPECT_NEAR(last[last.size() - 2], 0.3, 1e-5);
+  EXPECT_EQ(to("B").exit_code, 0);
+  EXPECT_TRUE(says(to("T"), "'T' is in the frame 'arm/tcp', whose place is not known here"));
 }
 
 TEST_F(Plan, StartsWhereItIsTold) {
