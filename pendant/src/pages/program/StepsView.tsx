@@ -5,6 +5,7 @@
 import { useEffect, useRef, useState } from 'preact/hooks';
 import { t } from '../../i18n';
 import { mayMove } from '../../state/cell';
+import { names } from '../../state/points';
 import { open } from '../../ui/ask';
 import { Button, Empty } from '../../ui/controls';
 import { Dialog } from '../../ui/Dialog';
@@ -12,7 +13,7 @@ import { Icon } from '../../ui/Icon';
 import * as doc from './documents';
 import { copyStatement, moveStatement, removeStatement } from './edits';
 import { runFrom } from './RunPanel';
-import { sentenceOf } from './sentence';
+import { type KindOf, kindsIn, sentenceOf } from './sentence';
 import type { Statement } from './statements';
 import { openStepForm, openStepKinds } from './StepForm';
 
@@ -20,6 +21,7 @@ export function StepsView() {
   const list = doc.statements.value;
   const live = doc.liveLines.value;
   const chosen = list.find((each) => doc.atLine.value >= each.line && doc.atLine.value <= each.endLine) ?? null;
+  const kindOf = kindsIn(list, names.value);
   const box = useRef<HTMLOListElement>(null);
   useEffect(() => {
     const wanted = doc.wantedLine.value;
@@ -41,7 +43,7 @@ export function StepsView() {
       ) : (
         <ol ref={box} aria-label={t('program.steps')}>
           {list.map((each) => (
-            <Step key={each.line} step={each} live={live.includes(each.line)} chosen={each === chosen} />
+            <Step key={each.line} step={each} kindOf={kindOf} live={live.includes(each.line)} chosen={each === chosen} />
           ))}
         </ol>
       )}
@@ -53,8 +55,8 @@ export function StepsView() {
 /** The first breakpoint on any line of the statement. */
 const breakpointOf = (step: Statement) => doc.breakpoints.value.find((line) => line >= step.line && line <= step.endLine);
 
-function Step({ step, live, chosen }: { step: Statement; live: boolean; chosen: boolean }) {
-  const { icon, text, chips } = sentenceOf(step);
+function Step({ step, kindOf, live, chosen }: { step: Statement; kindOf: KindOf; live: boolean; chosen: boolean }) {
+  const { icon, text, chips } = sentenceOf(step, kindOf);
   const wrong = doc.problems.value.filter((each) => each.line >= step.line && each.line <= step.endLine);
   const stops = breakpointOf(step) !== undefined;
   const kind = step.word === '#' ? 'comment' : step.closes ? 'closer' : step.opens || step.middle ? 'block' : '';

@@ -56,10 +56,32 @@ const kCalls: Record<string, [IconName, Key]> = {
   comply: ['hand', 'step.comply'],
   stiff: ['hand', 'step.stiff'],
 };
+/** What a name is, as `program.names` lists it: `pose`, `number` …; '' if unknown. */
+export type KindOf = (name: string) => string;
+const kUnknown: KindOf = () => '';
+
+/** Calls whose value is a pose. */
+const kPoseCall = /^(pose|quat|offset|tool_offset|with|inverse|interpolate|here|fk)\s*\(/i;
+
+/** True if a base that drives there goes to a pose; false if it drives by a length. */
+function isPose(target: string, kindOf: KindOf): boolean {
+  return kPoseCall.test(target) || (/^`[^`]+`$|^[A-Za-z_]\w*$/.test(target) && kindOf(target.replaceAll('`', '')) === 'pose');
+}
+
+/** The kinds of names that a program may use: those of the cell, and the poses that the program itself names. */
+export function kindsIn(statements: readonly Statement[], names: readonly { name: string; kind: string }[]): KindOf {
+  const kinds = new Map(names.map((each) => [each.name, each.kind]));
+  for (const { text } of statements) {
+    const [, name, value] = /^let\s+(\w+)\s*=\s*(.*)$/i.exec(text) ?? [];
+    if (name) kinds.set(name, kPoseCall.test(value!) ? 'pose' : '');
+  }
+  return (name) => kinds.get(name) ?? '';
+}
+
 /** Every statement that has a sentence here. */
 export const kSaid = [...Object.keys(kPlain), ...Object.keys(kMoves), 'wait', 'on', 'drive'];
 
-export function sentenceOf(statement: Statement): Sentence {
+export function sentenceOf(statement: Statement, kindOf: KindOf = kUnknown): Sentence {
   const { word, text } = statement;
   const rest = text.slice(word.length).trim();
   if (word === '#') return { icon: 'more', text: statement.comment || '#', chips: [] };
@@ -73,7 +95,7 @@ export function sentenceOf(statement: Statement): Sentence {
   if (word === 'on') return { icon: 'alarm', text: t(/^stop/i.test(rest) ? 'step.onStop' : 'step.onError'), chips: [] };
   if (word === 'drive') {
     const { target, clauses } = parseMove(text, [word])!;
-    const to = /^[a-z_`]/i.test(target);
+    const to = isPose(target, kindOf);
     const chips = clauses.map((each) => [each.word, each.value].filter(Boolean).join(' '));
     return { icon: to ? 'move' : 'up', text: t(to ? 'step.driveTo' : 'step.drive', { rest: target }), chips };
   }
