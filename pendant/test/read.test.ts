@@ -26,7 +26,7 @@ describe('readStatus', () => {
   it('reads state, speed and program', () => {
     const got = readStatus(event, 3);
     expect([got.state, got.moving, got.override, got.jogged]).toEqual(['held', false, 40, ['arm']]);
-    expect(got.program).toMatchObject({ file: 'a.script', line: 7, passes: 2, ended: false, problem: '' });
+    expect(got.program).toMatchObject({ file: 'a.script', line: 7, lineFile: 'a.script', passes: 2, ended: false, problem: '' });
   });
   it('has no cause where nothing is the matter, and no program between cells', () => {
     expect(readStatus({ ...event, cause: 'nothing' }, 3).cause).toBe('');

@@ -28,6 +28,7 @@ function readProgram(value: unknown): ProgramStatus | null {
     ready: program.state === 'ready',
     hash: text(program.hash),
     line: num(where?.line, 0),
+    lineFile: text(where?.file),
     source: text(program.source),
     passes: num(program.passes, 0),
     lastPass: num(program.last_pass_s, NaN),

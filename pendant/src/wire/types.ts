@@ -28,6 +28,8 @@ export interface ProgramStatus {
   /** The hash of a program that is ready, so that Start runs this version only; empty after the start. */
   hash: string;
   line: number;
+  /** The file of that line: that of the program, or one that it includes. */
+  lineFile: string;
   /** The statement at that line. */
   source: string;
   /** Number of passes of the outermost loop. */

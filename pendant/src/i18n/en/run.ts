@@ -12,6 +12,7 @@ export const run = {
   'run.stopText':
       'The program ends here. What it does on stop is done; then it can be started from its beginning.',
   'run.line': 'Line {line}',
+  'run.lineOf': '{file}, line {line}',
   'run.waitsFor': 'waits for {what}',
   'run.cycles': 'Cycles',
   'run.cycleTime': 'Last cycle',

@@ -15,6 +15,7 @@ export const run: Record<keyof typeof en, string> = {
   'run.stopText':
       'El programa termina aquí. Se hace lo que prevé al parar; después puede iniciarse desde el principio.',
   'run.line': 'Línea {line}',
+  'run.lineOf': '{file}, línea {line}',
   'run.waitsFor': 'espera {what}',
   'run.cycles': 'Ciclos',
   'run.cycleTime': 'Último ciclo',

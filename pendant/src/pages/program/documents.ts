@@ -9,7 +9,10 @@ import type { ProgramStatus } from '../../wire/types';
 import { RequestError } from '../../wire/connection';
 import { BreakpointKeeper, type LineMap } from './breakpoints';
 import { DraftKeeper, type DraftState, localDrafts } from './drafts';
+import { sameFile } from './sameFile';
 import { type Statement, statementsOf } from './statements';
+
+export { sameFile };
 
 export interface FileInfo {
   name: string;
@@ -64,8 +67,6 @@ export const isProgram = computed(() => {
   const info = files.value.find((each) => each.name === fileName.value);
   return info ? info.kind === 'program' || info.kind === 'plc' : /\.script$/.test(fileName.value);
 });
-
-export const sameFile = (a: string, b: string) => a !== '' && b !== '' && (a === b || a.endsWith(`/${b}`) || b.endsWith(`/${a}`));
 
 /** The running program, if it is this file. */
 export const running = computed<ProgramStatus | null>(() => {

@@ -2,6 +2,7 @@ import { t, word } from '../../i18n';
 import { plain, problemWords } from '../../i18n/told';
 import { isByPerson, pausing, program, status } from '../../state/cell';
 import type { Json } from '../../wire/connection';
+import { sameFile } from '../program/sameFile';
 import { NoPass } from './NoPass';
 
 /** A program's name without its folder. */
@@ -23,6 +24,12 @@ export function programWord(): { text: string; tone: string } {
   return { text: now.moving ? t('program.running') : word('program', it.state), tone: 'busy' };
 }
 
+/** The line, and its file if it is not that of the program. */
+function lineText(line: number, file = ''): string {
+  const own = status.value?.program?.file ?? '';
+  return file === '' || sameFile(file, own) ? t('run.line', { line }) : t('run.lineOf', { line, file: shortName(file) });
+}
+
 /** The program's name and state, and the current statement. */
 export function Now() {
   const it = status.value?.program;
@@ -39,7 +46,7 @@ export function Now() {
       {!it.ended && !it.ready && (
         <>
           <p class="statement">
-            <span class="line">{t('run.line', { line: it.line })}</span>
+            <span class="line">{lineText(it.line, it.lineFile)}</span>
             <code title={it.source}>{it.source || '…'}</code>
           </p>
           <Tasks />
@@ -69,7 +76,7 @@ function whyEnded(told: string): string {
 interface TaskLine {
   name: string;
   state: string;
-  where?: { line?: number };
+  where?: { file?: string; line?: number };
   source: string;
   waits_for: string;
   text?: string;
@@ -96,7 +103,7 @@ function Tasks() {
           <b>{task.name}</b>
           <code>{task.source}</code>
           <small>
-            {t('run.line', { line: task.where?.line ?? 0 })}
+            {lineText(task.where?.line ?? 0, task.where?.file)}
             {waits(task) && ` · ${waits(task)}`}
           </small>
         </li>

@@ -1,9 +1,10 @@
 import { signal } from '@preact/signals';
 import { useEffect, useRef, useState } from 'preact/hooks';
 import { t } from '../../i18n';
-import { request, status } from '../../state/cell';
+import { program as tasksNow, request, status } from '../../state/cell';
 import { base, fileName, sameFile } from '../program/documents';
 import { chosen } from './Choice';
+import { linesIn, type TaskPlace } from './here';
 import { shortName } from './Now';
 
 /** The file whose text is shown, as it was read; '' if no file could be read. */
@@ -11,7 +12,7 @@ export const shownText = signal({ file: '', hash: '' });
 /** Increases when the text must be read again, because it has changed. */
 export const readAgain = signal(0);
 
-/** The text of the running program, or of the one that Start runs. The current line stays visible. */
+/** The text of the running program, or of the one that Start runs. The first of the current lines stays visible. */
 export function Text() {
   const program = status.value?.program;
   const going = !!program && !program.ended && !program.ready;
@@ -37,7 +38,8 @@ export function Text() {
       left = true;
     };
   }, [file, ended, hash, readAgain.value]);
-  const line = ended ? -1 : (program?.line ?? -1);
+  const here = linesIn(file, program ?? null, (tasksNow.value?.tasks ?? []) as TaskPlace[]);
+  const line = here[0] ?? -1;
   useEffect(() => {
     const box = list.current;
     const row = box?.children[line - 1] as HTMLElement | undefined;
@@ -47,7 +49,7 @@ export function Text() {
   return (
     <ol class="run-text" ref={list} tabIndex={0} aria-label={t('run.text')}>
       {lines.map((text, i) => (
-        <li key={i} class={i + 1 === line ? 'here' : ''} aria-current={i + 1 === line ? 'step' : undefined}>
+        <li key={i} class={here.includes(i + 1) ? 'here' : ''} aria-current={here.includes(i + 1) ? 'step' : undefined}>
           <span aria-hidden="true">{i + 1}</span>
           <code>{text || ' '}</code>
         </li>
