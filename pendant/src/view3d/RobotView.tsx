@@ -1,8 +1,7 @@
 /** The robot's picture on a page: in 3D with WebGL, else as lines. */
 import { computed, effect, signal } from '@preact/signals';
 import { useEffect, useRef, useState } from 'preact/hooks';
-import { number, t } from '../i18n';
-import { bodyWords } from '../i18n/told';
+import { t } from '../i18n';
 import { cell, connected, nears, parts, plans, robot, status } from '../state/cell';
 import { newestFrame, onFrame, valueNow } from '../state/live';
 import { baseNow, frames, jointValues, models, scene } from '../state/models';
@@ -11,6 +10,7 @@ import { darkNow, kept } from '../state/settings';
 import { Button, Loading } from '../ui/controls';
 import type { Touch, Vec3 } from '../wire/types';
 import { FlatView } from './FlatView';
+import { slowedWords } from './slowed';
 import type { CellPicture, Ghost, Handle, Layers } from './picture';
 import type { ViewName } from './stage';
 import './view.css';
@@ -47,10 +47,8 @@ export function RobotView() {
 
 /** Says why a planned move is slower than it was planned. */
 function Slowed() {
-  const slow = Object.values(nears.value).find((each) => each.pace < 0.95);
-  if (!slow) return null;
-  const words = { a: bodyWords(slow.a), b: bodyWords(slow.b), mm: number(1000 * slow.distance, 0) };
-  return <p class="view-slowed">{t(slow.pace > 0 ? 'view.slowed' : 'view.heldBefore', words)}</p>;
+  const text = slowedWords(Object.values(nears.value), (cell.value?.robots ?? []).map((each) => each.name));
+  return text ? <p class="view-slowed">{text}</p> : null;
 }
 
 function Picture({ onFail }: { onFail: () => void }) {

@@ -19,6 +19,7 @@ export const view = {
   'view.distances': 'Nearest distance',
   'view.near': '{a} – {b}: {mm} mm',
   'view.slowed': 'Slowed down: {a} is {mm} mm from {b}',
+  'view.waits': '{robot} waits for {other}: {mm} mm between {a} and {b}',
   'view.heldBefore': 'Held {mm} mm before {b}: {a}',
   'view.contact': '{a} – {b}: {mm} mm',
 } as const;

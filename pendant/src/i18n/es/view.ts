@@ -21,6 +21,7 @@ export const view: Record<keyof typeof en, string> = {
   'view.distances': 'Distancia menor',
   'view.near': '{a} – {b}: {mm} mm',
   'view.slowed': 'Más lento: {a} está a {mm} mm de {b}',
+  'view.waits': '{robot} espera a {other}: {mm} mm entre {a} y {b}',
   'view.heldBefore': 'Detenido {mm} mm antes de {b}: {a}',
   'view.contact': '{a} – {b}: {mm} mm',
 };

@@ -1,0 +1,24 @@
+import { describe, expect, it, vi } from 'vitest';
+
+vi.stubGlobal('navigator', { language: 'en', userAgent: '' });
+const { slowedWords } = await import('../src/view3d/slowed');
+
+const near = (pace: number, a: string, b: string) => ({ a, b, pace, distance: 0.0421, kept: 0.02, onA: [0, 0, 0] as [number, number, number], onB: [0, 0, 0] as [number, number, number] });
+const robots = ['left', 'right'];
+
+describe('a planned move that is slower than planned', () => {
+  it('is not told while it keeps its pace', () => {
+    expect(slowedWords([near(1, 'left/forearm_link', 'fixture table')], robots)).toBe('');
+  });
+  it('says what it is near to', () => {
+    expect(slowedWords([near(0.4, 'left/forearm_link', 'fixture table')], robots)).toBe('Slowed down: left/forearm_link is 42 mm from table');
+    expect(slowedWords([near(0, 'left/forearm_link', 'fixture table')], robots)).toBe('Held 42 mm before table: left/forearm_link');
+  });
+  it('says which robot waits for which', () => {
+    expect(slowedWords([near(0, 'left/forearm_link', 'right/wrist_3_link')], robots)).toBe('left waits for right: 42 mm between left/forearm_link and right/wrist_3_link');
+    expect(slowedWords([near(0, 'left/forearm_link', 'left/base_link')], robots)).toBe('Held 42 mm before left/base_link: left/forearm_link');
+  });
+  it('is told of the robot that stands before one that is only slow', () => {
+    expect(slowedWords([near(0.5, 'left/forearm_link', 'fixture table'), near(0, 'right/wrist_1_link', 'left/tool')], robots)).toMatch(/^right waits for left/);
+  });
+});
