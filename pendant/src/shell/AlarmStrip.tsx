@@ -1,7 +1,7 @@
 /** A strip for problems that nobody has acknowledged. After a contact it shows the steps of recovery. */
 import { effect } from '@preact/signals';
-import { type Key, number, t } from '../i18n';
-import { bodyWords, problemWords } from '../i18n/told';
+import { type Key, t } from '../i18n';
+import { problemWords } from '../i18n/told';
 import { alarms, connected, markSeen, mayMove, pausing, status, ways } from '../state/cell';
 import { back, discard, recover, resume } from '../state/actions';
 import { canBe, waysOf } from '../state/ways';
@@ -9,10 +9,11 @@ import { open } from '../ui/ask';
 import { Button } from '../ui/controls';
 import { Icon } from '../ui/Icon';
 import { Alarms } from './Alarms';
+import { contactWords, kContactCodes } from './contact';
 import { go, pageId } from './route';
 
 /** Alarms of a hold that are over when the cell runs again. */
-const kOver = new Set(['contact', 'program-hold', 'held']);
+const kOver = new Set([...kContactCodes, 'guard', 'guard-deadlock', 'program-hold', 'held']);
 
 /**
  * An operator who brings the cell back after a contact, a hold or a fault has seen its alarm. These are the previous
@@ -72,22 +73,7 @@ export function afterContact(): boolean {
 /** True if the newest error is a contact that nobody has acknowledged. */
 function contactSince(): boolean {
   const last = alarms.value.filter((each) => each.severity === 'error').pop();
-  return last?.code === 'contact' && !last.seen;
-}
-
-function pairs(): string {
-  const list = status.value?.contacts.list ?? [];
-  const shown = list.some((each) => each.now) ? list.filter((each) => each.now) : list.slice(-1);
-  if (shown.length) return shown.map((each) => t('contact.pair', { a: bodyWords(each.a), b: bodyWords(each.b), mm: depthWords(each.depth) })).join(' · ');
-  const told = alarms.value.filter((each) => each.code === 'contact').pop();
-  return told ? problemWords(told).text : '';
-}
-
-/** In mm; below 0.1 mm with two significant digits. */
-export function depthWords(metres: number): string {
-  const mm = 1000 * metres;
-  if (mm >= 0.1 || mm <= 0) return number(mm, 1);
-  return number(mm, Math.min(6, 1 - Math.floor(Math.log10(mm))));
+  return !!last && kContactCodes.has(last.code) && !last.seen;
 }
 
 /** The steps of recovery after a contact. Each step that is possible now has its key. */
@@ -97,6 +83,7 @@ function WayBack() {
   const { next, nextBlocked, discard: forget, back: backwards } = waysOf({ status: now, mayMove: true, pausing: pausing.value });
   const held = now.state === 'held';
   const may = mayMove.value;
+  const { text, felt } = contactWords(now.contacts, alarms.value);
   const steps: Key[] = [
     now.state === 'fault'
       ? 'contact.recover'
@@ -105,16 +92,16 @@ function WayBack() {
           ? 'contact.cancel'
           : 'contact.cancelFirst' // Resume would repeat the motion into the same contact
         : 'contact.canceled',
-    now.contacts.touching ? 'contact.away' : 'contact.clear',
+    now.contacts.touching ? 'contact.away' : felt ? 'contact.felt' : 'contact.clear',
     'contact.resume',
   ];
   /** The index of the present step. A phone shows only this step. */
-  const at = now.state === 'fault' || now.motionLeft ? 0 : now.contacts.touching ? 1 : 2;
+  const at = now.state === 'fault' || now.motionLeft ? 0 : now.contacts.touching || felt ? 1 : 2;
   return (
     <section class="alarm-strip error way-back" role="alert" aria-label={t('contact.title')}>
       <Icon name="alarm" size={22} />
       <div>
-        <strong>{t('contact.title')}</strong> <span>{pairs()}</span>
+        <strong>{t('contact.title')}</strong> <span>{text}</span>
         <ol>
           {steps.map((key, i) => (
             <li key={i} value={i + 1} aria-current={i === at ? 'step' : undefined}>

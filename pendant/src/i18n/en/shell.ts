@@ -180,6 +180,7 @@ export const shell = {
   'contact.resume': 'Press Resume, then start the program again.',
   'contact.cancelFirst': 'Cancel the motion first: Resume repeats it, into the same contact.',
   'contact.clear': 'Nothing touches any more.',
+  'contact.felt': 'Free what the robot touches: jog away slowly.',
   'contact.jog': 'Jog away',
   'bodies.none': 'Contacts are not detected in this cell: the robot passes through everything.',
   'contact.back': 'Step back',

@@ -1,0 +1,30 @@
+/** What a stop after a contact says: which bodies, how deep, or which joint felt it. No side effects. */
+import { number, t } from '../i18n';
+import { bodyWords, problemWords } from '../i18n/told';
+import type { Alarm, Contacts } from '../wire/types';
+
+/** Alarms of unexpected contacts: seen in the scene, or felt by the motors. */
+export const kContactCodes: ReadonlySet<string> = new Set(['contact', 'collision-torque']);
+
+/** In mm; below 0.1 mm with two significant digits. */
+export function depthWords(metres: number): string {
+  const mm = 1000 * metres;
+  if (mm >= 0.1 || mm <= 0) return number(mm, 1);
+  return number(mm, Math.min(6, 1 - Math.floor(Math.log10(mm))));
+}
+
+export interface ContactWords {
+  text: string;
+  /** Only the motors felt it: whether something still touches is unknown. */
+  felt: boolean;
+}
+
+export function contactWords(contacts: Contacts, alarms: readonly Alarm[]): ContactWords {
+  const last = alarms.filter((each) => kContactCodes.has(each.code)).pop();
+  const now = contacts.list.filter((each) => each.now);
+  const felt = last?.code === 'collision-torque' && now.length === 0;
+  if (felt) return { text: problemWords(last!).text, felt };
+  const shown = now.length ? now : contacts.list.slice(-1);
+  const pairs = shown.map((each) => t('contact.pair', { a: bodyWords(each.a), b: bodyWords(each.b), mm: depthWords(each.depth) }));
+  return { text: pairs.join(' · ') || (last ? problemWords(last).text : ''), felt };
+}
