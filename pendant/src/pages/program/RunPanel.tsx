@@ -54,7 +54,7 @@ function Where() {
   return (
     <div class={`program-where ${tone} ${now.state}`} role="status">
       <strong>{state}</strong>
-      <span>{t('program.whereIs', { file: shortName(now.file), line: now.line })}</span>
+      <span>{t('program.whereIs', { file: shortName(now.lineFile || now.file), line: now.line })}</span>
       <dl>
         <div>
           <dt>{t('program.passes')}</dt>
