@@ -198,7 +198,8 @@ function Problems() {
   const now = dry.value;
   const stale = now.kind === 'done' && (now.file !== doc.fileName.value || now.text !== doc.text.value);
   const found = now.kind === 'done' && !stale ? now.result.problems : [];
-  const list = [...doc.problems.value, ...found.filter((each) => !doc.problems.value.some((one) => one.line === each.line && one.what === each.what))];
+  const checked = [...doc.problems.value, ...doc.elsewhere.value];
+  const list = [...checked, ...found.filter((each) => !checked.some((one) => one.line === each.line && one.what === each.what))];
   return (
     <>
       {now.kind === 'runs' && (
@@ -213,11 +214,11 @@ function Problems() {
       <ul class="program-problems">
         {[...list].sort((a, b) => a.line - b.line).map((each, i) => (
           <li key={i}>
-            <button type="button" class={each.severity} onClick={() => goTo(each.line)}>
+            <button type="button" class={each.severity} onClick={() => void goTo(each.line, each.file)}>
               <Icon name="alarm" size={20} />
               <span>
                 <small>
-                  {t('program.line', { line: each.line })} · {t(each.severity === 'error' ? 'program.error' : 'program.warning')}
+                  {placeText(each)} · {t(each.severity === 'error' ? 'program.error' : 'program.warning')}
                 </small>
                 <strong>{each.what}</strong>
                 {each.advice && <span>{plain(each.advice)}</span>}
@@ -248,7 +249,16 @@ function Checked() {
   );
 }
 
-export function goTo(line: number): void {
+const isHere = (file: string) => file === '' || doc.sameFile(file, doc.fileName.value);
+
+function placeText({ file, line }: { file: string; line: number }): string {
+  return isHere(file) ? t('program.line', { line }) : t('program.whereIs', { file: shortName(file), line });
+}
+
+/** Shows a line of the open file, or of another file of the cell, which it opens. */
+export async function goTo(line: number, file = ''): Promise<void> {
+  const other = isHere(file) ? undefined : doc.files.value.find((each) => doc.sameFile(each.name, file))?.name;
+  if (!isHere(file) && (other === undefined || !(await doc.openFile(other)))) return;
   doc.atLine.value = line;
   doc.wantedLine.value = line;
 }
@@ -305,7 +315,7 @@ function Tasks() {
             <h3>{task.name}</h3>
             <span class="chip">{task.paused ? t('state.programPaused') : word('program.state', task.state)}</span>
           </header>
-          <button type="button" class="program-source" onClick={() => goTo(task.where.line)}>
+          <button type="button" class="program-source" onClick={() => void goTo(task.where.line, task.where.file)}>
             <small>
               {shortName(task.where.file)}:{task.where.line}
             </small>

@@ -9,7 +9,7 @@ import type { ProgramStatus } from '../../wire/types';
 import { RequestError } from '../../wire/connection';
 import { BreakpointKeeper, type LineMap } from './breakpoints';
 import { DraftKeeper, type DraftState, localDrafts } from './drafts';
-import { sameFile } from './sameFile';
+import { byFile, sameFile } from './sameFile';
 import { type Statement, statementsOf } from './statements';
 
 export { sameFile };
@@ -47,6 +47,8 @@ export const foundDraft = signal<{ by: string; saved_s: number } | null>(null);
 /** The file's new content if another client has changed it. */
 export const theirs = signal<{ text: string; hash: string } | null>(null);
 export const problems = signal<Problem[]>([]);
+/** Problems of files that this one includes. */
+export const elsewhere = signal<Problem[]>([]);
 /** True if `problems` belongs to the present text. */
 export const checked = signal(false);
 /** Increases when something other than the editor changes the text. */
@@ -61,7 +63,9 @@ export const canUndo = signal(false);
 export const dirty = computed(() => fileName.value !== '' && text.value !== savedText.value);
 export const statements = computed<Statement[]>(() => statementsOf(text.value));
 export const programFiles = computed(() => files.value.filter((each) => each.kind === 'program' || each.kind === 'plc'));
-export const errors = computed(() => problems.value.filter((each) => each.severity === 'error').length);
+const isError = (each: Problem) => each.severity === 'error';
+/** With those of included files: with one of them the program cannot start. */
+export const errors = computed(() => problems.value.filter(isError).length + elsewhere.value.filter(isError).length);
 /** True if the file is a program, not data, points or a scene. */
 export const isProgram = computed(() => {
   const info = files.value.find((each) => each.name === fileName.value);
@@ -148,6 +152,7 @@ function show(name: string, now: string, saved: string, hash: string): void {
   theirs.value = null;
   draftState.value = 'none';
   problems.value = [];
+  elsewhere.value = [];
   checked.value = false;
   undone.length = 0;
   canUndo.value = false;
@@ -299,7 +304,9 @@ async function check(name: string, now: string): Promise<void> {
   try {
     const answer = await request('program.check', { name, text: now });
     if (text.peek() !== now || fileName.peek() !== name) return;
-    problems.value = answer.problems.filter((each) => each.file === '' || sameFile(each.file, name));
+    const found = byFile(answer.problems, name);
+    problems.value = found.own;
+    elsewhere.value = found.elsewhere;
     checked.value = true;
   } catch {
     // Not connected, or no cell: the next change checks again.

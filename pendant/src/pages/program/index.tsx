@@ -129,7 +129,7 @@ function Bar() {
 function CheckChip() {
   if (!doc.isProgram.value || doc.fileName.value === '') return null;
   const errors = doc.errors.value;
-  const warnings = doc.problems.value.length - errors;
+  const warnings = doc.problems.value.length + doc.elsewhere.value.length - errors;
   const text = !doc.checked.value
     ? t('program.checking')
     : errors > 0
