@@ -150,7 +150,7 @@ const beginJog = (client, request, extra) => {
 const axisOf = (r) => Array.isArray(r.axis) ? r.axis : Array.from({ length: r.mode === 'joint' ? joints.length : 6 }, (_, i) => (i === r.axis ? (r.direction ?? 1) : 0));
 const moves = new Set(['control.resume', 'control.recover', 'control.discard', 'control.override', 'profile', 'jog.begin', 'jog.step', 'jog.goto', 'program.go', 'program.step', 'program.from']);
 const requests = {
-  'session.hello': (r, c) => { c.name = r.name; return { client: c.number, holder: who(holder), you_hold: holder === c, version: 'mock', token_ok: true, local: true }; },
+  'session.hello': (r, c) => { c.name = r.name; return { client: c.number, holder: who(holder), you_hold: holder === c, version: 'mock', role: 'administer', token_ok: true, local: true }; },
   'session.watch': (r, c) => {
     c.event({ event: 'layout', id: 1, fields });
     c.event(partsNow());

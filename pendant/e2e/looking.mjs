@@ -1,6 +1,6 @@
 // Curves read at the cursor, looked into and taken along; language and colours changed while the page is open.
 import assert from 'node:assert/strict';
-import { readFileSync } from 'node:fs';
+import { readFileSync, statSync } from 'node:fs';
 import { join } from 'node:path';
 import { go, picture } from './browser.mjs';
 import { until } from './cell.mjs';
@@ -71,6 +71,17 @@ test('zooms by dragging and exports what is shown', async () => {
   await button('Zoom in').click();
   const less = await rows();
   assert.ok(span(less) < 0.7 * span(part), `${span(less)} of ${span(part)} s`);
+});
+
+test('records the cell, and says where the recording is', async () => {
+  await button('Record').click();
+  await main().getByText(/^Recording .+\.mcap: /).waitFor();
+  await button('Stop recording').click();
+  const told = page.getByRole('region', { name: 'Messages' });
+  await told.getByText(/^Recorded .+\.mcap: \d/).waitFor();
+  const name = /Recorded (.+\.mcap):/.exec(await told.innerText())[1];
+  assert.ok(statSync(join(at.cell.folder, '.state/recordings', name)).size > 0);
+  await button('Record').waitFor();
 });
 
 test('changes language and colours at once, and keeps both', async () => {

@@ -3,6 +3,7 @@ const shapes = {
   run: 'M7 4.500v15l12-7.500z',
   pause: 'M8 5v14M16 5v14',
   stop: 'M6 6h12v12H6z',
+  record: 'M12 6a6 6 0 1 1 0 12 6 6 0 0 1 0-12z',
   step: 'M5 5v14l9-7zM18 5v14',
   program: 'M6 3h9l4 4v14H6zM9.500 11h6M9.500 15h6',
   move: 'M12 3v18M3 12h18M12 3l-2.500 2.500M12 3l2.500 2.500M12 21l-2.500-2.500M12 21l2.500-2.500M3 12l2.500-2.500M3 12l2.500 2.500M21 12l-2.500-2.500M21 12l-2.500 2.500',
@@ -52,7 +53,7 @@ const shapes = {
 } as const;
 
 export type IconName = keyof typeof shapes;
-const filled: ReadonlySet<IconName> = new Set<IconName>(['run', 'stop']);
+const filled: ReadonlySet<IconName> = new Set<IconName>(['run', 'stop', 'record']);
 const heavy: ReadonlySet<IconName> = new Set<IconName>(['more', 'pause']);
 
 export function Icon({ name, size = 24, class: className = '' }: { name: IconName; size?: number; class?: string }) {

@@ -8,6 +8,7 @@ import { open } from '../../ui/ask';
 import { Button, Empty, Loading, Segmented } from '../../ui/controls';
 import { ChooseDialog } from './Choose';
 import { csv } from './history';
+import { RecordKey, RecordNote } from './Recording';
 import './plots.css';
 import { chosen, colourOf, history, isCommand, readable, record, shown, sliceOf, titleOf, type Trace, valuesAt } from './traces';
 import type { Plot, View } from './draw';
@@ -49,9 +50,11 @@ export default function Page() {
         <Button label={t('plots.earlier')} icon="left" bare onClick={() => shift(-0.5)} />
         <Button label={t('plots.later')} icon="right" bare disabled={!still.value} onClick={() => shift(0.5)} />
         <span class="grow" />
+        <RecordKey />
         <Button label={t('plots.csv')} icon="download" disabled={shown.value.length === 0} onClick={exportCsv} />
         <Button label={t('plots.choose')} icon="plus" tone="primary" onClick={() => open((close) => <ChooseDialog onClose={close} />)} />
       </div>
+      <RecordNote />
       {shown.value.length === 0 ? <Empty icon="plots" text={t('plots.none')} /> : <Curves />}
     </div>
   );
