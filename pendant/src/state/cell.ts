@@ -71,6 +71,10 @@ export const mayTake = computed(() => mayAs('operate'));
 export const connected = computed(() => link.value === 'open' && status.value !== null);
 /** True if this page may move the robot now. */
 export const mayMove = computed(() => connected.value && youHold.value);
+/** True if this page may change programs and points now. */
+export const mayProgram = computed(() => mayMove.value && mayAs('program'));
+/** True if this page may change the cell itself now. */
+export const mayAdminister = computed(() => mayMove.value && mayAs('administer'));
 /** The possible actions. Every key is drawn from them. */
 export const ways =
     computed(() => waysOf({status: status.value, mayMove: mayMove.value, pausing: pausing.value}));

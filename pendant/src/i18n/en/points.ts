@@ -38,6 +38,7 @@ export const points = {
   'points.touchUp': 'Re-teach position',
   'points.touchUpQ': 'Re-teach {name}?',
   'points.touchUpText': 'The point is set to where the robot is now. You can undo this.',
+  'points.touchUpOf': 'The point is set to where the robot {robot} is now. You can undo this.',
   'points.touched': 'Re-taught {name}',
   'points.shift': 'Shift',
   'points.shiftTitle': 'Shift {names}',

@@ -40,6 +40,7 @@ export const points: Record<keyof typeof en, string> = {
   'points.touchUp': 'Volver a enseñar',
   'points.touchUpQ': '¿Volver a enseñar {name}?',
   'points.touchUpText': 'El punto pasa a ser donde está el robot ahora. Se puede deshacer.',
+  'points.touchUpOf': 'El punto pasa a donde está ahora el robot {robot}. Se puede deshacer.',
   'points.touched': '{name} enseñado de nuevo',
   'points.shift': 'Desplazar',
   'points.shiftTitle': 'Desplazar {names}',

@@ -2,7 +2,7 @@
 import { signal } from '@preact/signals';
 import { useRef, useState } from 'preact/hooks';
 import { number, t } from '../../i18n';
-import { complain, mayMove, request } from '../../state/cell';
+import { complain, mayProgram, request } from '../../state/cell';
 import { loadScene } from '../../state/models';
 import { toast } from '../../state/toasts';
 import { open } from '../../ui/ask';
@@ -41,7 +41,7 @@ export function AddMesh() {
       <Button
         label={done === null ? t('mesh.add') : t('mesh.uploading', { percent: number(100 * done, 0) })}
         icon="cube"
-        disabled={!mayMove.value || done !== null || restarting.value !== ''}
+        disabled={!mayProgram.value || done !== null || restarting.value !== ''}
         onClick={() => input.current?.click()}
       />
       <input
@@ -64,13 +64,13 @@ export function AddMesh() {
 /** Handlers of an element on which files may be dropped. */
 export const dropTarget = {
   onDragOver: (e: DragEvent) => {
-    if (mayMove.value && e.dataTransfer?.types.includes('Files')) e.preventDefault();
+    if (mayProgram.value && e.dataTransfer?.types.includes('Files')) e.preventDefault();
   },
   onDrop: (e: DragEvent) => {
     const files = [...(e.dataTransfer?.files ?? [])];
     if (!files.length) return;
     e.preventDefault();
-    if (mayMove.value) void addMeshes(files);
+    if (mayProgram.value) void addMeshes(files);
   },
 };
 
@@ -119,7 +119,7 @@ function Place({ mesh, onClose }: { mesh: Uploaded; onClose: () => void }) {
       actions={
         <>
           <Button label={t('dialog.cancel')} onClick={onClose} />
-          <Button label={t('mesh.addDo')} tone="primary" disabled={wrong || busy || restarting.value !== '' || !mayMove.value} onClick={() => void add()} />
+          <Button label={t('mesh.addDo')} tone="primary" disabled={wrong || busy || restarting.value !== '' || !mayProgram.value} onClick={() => void add()} />
         </>
       }
     >

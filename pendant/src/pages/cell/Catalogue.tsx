@@ -2,7 +2,7 @@
 import { signal } from '@preact/signals';
 import { useEffect, useState } from 'preact/hooks';
 import { number, t } from '../../i18n';
-import { cell, complain, fetchJson, mayMove } from '../../state/cell';
+import { cell, complain, fetchJson, mayAdminister } from '../../state/cell';
 import { open } from '../../ui/ask';
 import { Button, Empty, Field, Loading, Search, Select } from '../../ui/controls';
 import { Dialog } from '../../ui/Dialog';
@@ -101,7 +101,7 @@ function ChooseDialog({ entry, onClose, onDone }: { entry: CatalogueEntry; onClo
       actions={
         <>
           <Button label={t('dialog.cancel')} onClick={onClose} />
-          <Button label={t('cell.use')} tone="primary" icon="check" disabled={!mayMove.value || restarting.value !== ''} onClick={() => void go()} />
+          <Button label={t('cell.use')} tone="primary" icon="check" disabled={!mayAdminister.value || restarting.value !== ''} onClick={() => void go()} />
         </>
       }
     >

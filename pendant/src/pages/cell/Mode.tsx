@@ -6,7 +6,7 @@ import { useState } from 'preact/hooks';
 import { t } from '../../i18n';
 import { problemWords } from '../../i18n/told';
 import { able } from '../../state/abilities';
-import { complain, mayMove, request, status } from '../../state/cell';
+import { complain, mayAdminister, mayMove, request, status } from '../../state/cell';
 import { ArmDialog } from '../../shell/ArmDialog';
 import { ask, open } from '../../ui/ask';
 import { Button, Card, Loading, Segmented } from '../../ui/controls';
@@ -27,7 +27,7 @@ export function Mode() {
       <Segmented
         label={t('cell.mode')}
         value={real ? 'real' : 'simulated'}
-        disabled={!mayMove.value || restarting.value !== '' || !able('cell.connect')}
+        disabled={!mayAdminister.value || restarting.value !== '' || !able('cell.connect')}
         options={[
           { id: 'simulated', name: t('mode.simulated'), icon: 'cube' },
           { id: 'real', name: t('mode.real'), icon: 'link' },
@@ -68,7 +68,7 @@ function ConnectDialog({ onClose }: { onClose: () => void }) {
       actions={
         <>
           <Button label={t('dialog.cancel')} onClick={onClose} />
-          <Button label={t('cell.toReal')} icon="link" tone="warn" disabled={!found?.possible || !mayMove.value} onClick={go} />
+          <Button label={t('cell.toReal')} icon="link" tone="warn" disabled={!found?.possible || !mayAdminister.value} onClick={go} />
         </>
       }
     >

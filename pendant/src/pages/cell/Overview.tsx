@@ -2,7 +2,7 @@
 import { useState } from 'preact/hooks';
 import { number, t } from '../../i18n';
 import { plain } from '../../i18n/told';
-import { attempt, cell, complain, mayMove, request, status } from '../../state/cell';
+import { attempt, cell, complain, mayAdminister, request, status } from '../../state/cell';
 import { Button, Card, Empty, Loading } from '../../ui/controls';
 import { Icon } from '../../ui/Icon';
 import type { RobotInfo } from '../../wire/types';
@@ -25,7 +25,7 @@ function NoCell({ onProjects }: { onProjects: () => void }) {
       <Empty icon="cell" text={t('cell.noneOpenText')} />
       <div class="row">
         <Button label={t('cell.toProjects')} icon="folder" tone="primary" onClick={onProjects} />
-        <Button label={t('cell.tryAgain')} icon="repeat" disabled={!mayMove.value} onClick={() => void attempt('cell.restart')} />
+        <Button label={t('cell.tryAgain')} icon="repeat" disabled={!mayAdminister.value} onClick={() => void attempt('cell.restart')} />
       </div>
     </Card>
   );
@@ -56,7 +56,7 @@ export function Overview({ onRobots, onProjects }: { onRobots: () => void; onPro
           <Button
             label={t('cell.reset')}
             icon="undo"
-            disabled={!mayMove.value || restarting.value !== ''}
+            disabled={!mayAdminister.value || restarting.value !== ''}
             onClick={askReset}
           />
           <AddMesh />
@@ -126,7 +126,7 @@ function Robot({ robot, onRobots }: { robot: RobotInfo; onRobots: () => void }) 
         <div>
           <h3>{robot.title || robot.id}</h3>
           <p class="note">{t('cell.axesOf', { axes: robot.joints.length })}</p>
-          <Button label={t('cell.another')} icon="repeat" disabled={!mayMove.value || restarting.value !== ''} onClick={onRobots} />
+          <Button label={t('cell.another')} icon="repeat" disabled={!mayAdminister.value || restarting.value !== ''} onClick={onRobots} />
         </div>
       </div>
     </Card>

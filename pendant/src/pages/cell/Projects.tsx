@@ -1,7 +1,7 @@
 /** The list of cells to open; saves a copy; downloads and restores a cell as a zip file. */
 import { useEffect, useRef, useState } from 'preact/hooks';
 import { t } from '../../i18n';
-import { cell, complain, mayMove, request, status } from '../../state/cell';
+import { cell, complain, mayAdminister, request, status } from '../../state/cell';
 import { toast } from '../../state/toasts';
 import { open } from '../../ui/ask';
 import { Button, Card, Empty, Field, Loading, Select } from '../../ui/controls';
@@ -61,8 +61,8 @@ export function Projects() {
           <Restore taken={(list ?? []).map((each) => each.name)} onDone={load} />
         </div>
         <div class="row">
-          <Button label={t('cell.saveAs')} icon="copy" disabled={!mayMove.value || none} onClick={() => open((close) => <NameDialog kind="copy" onClose={close} onDone={load} />)} />
-          <Button label={t('cell.new')} icon="plus" disabled={!mayMove.value || none} onClick={() => open((close) => <NameDialog kind="new" onClose={close} onDone={load} />)} />
+          <Button label={t('cell.saveAs')} icon="copy" disabled={!mayAdminister.value || none} onClick={() => open((close) => <NameDialog kind="copy" onClose={close} onDone={load} />)} />
+          <Button label={t('cell.new')} icon="plus" disabled={!mayAdminister.value || none} onClick={() => open((close) => <NameDialog kind="new" onClose={close} onDone={load} />)} />
         </div>
         <p class="note">{t('cell.backUpText')}</p>
       </Card>
@@ -78,7 +78,7 @@ export function Projects() {
               const here = !none && each.folder === cell.value?.folder;
               return (
                 <li key={each.folder}>
-                  <button type="button" aria-current={here ? 'true' : undefined} class={here ? 'here' : ''} disabled={here || !mayMove.value || restarting.value !== ''} onClick={() => openOne(each)}>
+                  <button type="button" aria-current={here ? 'true' : undefined} class={here ? 'here' : ''} disabled={here || !mayAdminister.value || restarting.value !== ''} onClick={() => openOne(each)}>
                     <Icon name="folder" />
                     <span>
                       <strong>{titleOf(each, list)}</strong>
@@ -108,7 +108,7 @@ function Restore({ taken, onDone }: { taken: string[]; onDone: () => void }) {
   return (
     <>
       <input ref={input} type="file" accept=".zip,application/zip" hidden aria-label={t('cell.restore')} onChange={(e) => choose(e.currentTarget)} />
-      <Button label={t('cell.restore')} icon="upload" disabled={!mayMove.value} onClick={() => input.current?.click()} />
+      <Button label={t('cell.restore')} icon="upload" disabled={!mayAdminister.value} onClick={() => input.current?.click()} />
     </>
   );
 }
@@ -120,7 +120,7 @@ function Restore({ taken, onDone }: { taken: string[]; onDone: () => void }) {
 function RestoreDialog({ file, taken, onClose, onDone }: { file: File; taken: string[]; onClose: () => void; onDone: () => void }) {
   const [name, setName] = useState(() => nameFor(file.name, taken));
   const problem = name !== '' && !goodName(name) ? t('cell.badName') : taken.includes(name) ? t('cell.nameTaken') : '';
-  const bad = name === '' || problem !== '' || !mayMove.value;
+  const bad = name === '' || problem !== '' || !mayAdminister.value;
   const go = async () => {
     if (bad) return;
     onClose();

@@ -5,7 +5,7 @@
 import { useEffect, useState } from 'preact/hooks';
 import { type Key, t } from '../../i18n';
 import { plain, problemWords, type Told } from '../../i18n/told';
-import { complain, mayMove, request } from '../../state/cell';
+import { complain, mayAdminister, request } from '../../state/cell';
 import { RequestError } from '../../wire/connection';
 import type { CellReachAnswer, WantedThing } from '../../wire/requests';
 import { Button, Loading } from '../../ui/controls';
@@ -56,7 +56,7 @@ export function ReachDialog({ folder, name, onOpen, onClose }: Props) {
       folder,
       asked.map((each) => `${each.kind}:${each.what}`),
     ).then(goOn, complain);
-  const may = mayMove.value && reach !== null;
+  const may = mayAdminister.value && reach !== null;
   return (
     <Dialog
       title={t(onOpen ? 'cell.openQ' : 'reach.title', { name })}

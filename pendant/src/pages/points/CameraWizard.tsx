@@ -5,7 +5,7 @@
 import { useEffect, useState } from 'preact/hooks';
 import { number, t } from '../../i18n';
 import { problemLine, problemOf } from '../../i18n/told';
-import { complain, mayMove, request, robot } from '../../state/cell';
+import { complain, mayProgram, request, robot } from '../../state/cell';
 import { changePoints, goodName, values } from '../../state/points';
 import { toast } from '../../state/toasts';
 import { Button, Field, Segmented, Select } from '../../ui/controls';
@@ -70,7 +70,7 @@ export function CameraWizard({ onClose }: { onClose: () => void }) {
         <>
           <MoveButton kind="camera" />
           <Button label={t('points.cTake', { number: taken.length + 1 })} icon="eye" tone={taken.length < kLeast ? 'primary' : 'plain'} disabled={marker === ''} onClick={() => void take()} />
-          <Button label={t('points.cSave')} icon="save" tone="primary" disabled={!answer || answer.outlier !== undefined || name === '' || nameProblem !== '' || !mayMove.value} onClick={() => void save()} />
+          <Button label={t('points.cSave')} icon="save" tone="primary" disabled={!answer || answer.outlier !== undefined || name === '' || nameProblem !== '' || !mayProgram.value} onClick={() => void save()} />
         </>
       }
     >

@@ -2,7 +2,7 @@
 import { useState } from 'preact/hooks';
 import { t } from '../../i18n';
 import { able } from '../../state/abilities';
-import { mayMove, request, robot } from '../../state/cell';
+import { cell, complain, mayProgram, request, robot } from '../../state/cell';
 import { changePoints, type DataValue, goodName, groupNames, isPlace, isTool, values } from '../../state/points';
 import { toast } from '../../state/toasts';
 import { ask, open } from '../../ui/ask';
@@ -41,7 +41,7 @@ export function Detail() {
 // --- actions
 
 function Actions({ list, only }: { list: DataValue[]; only: DataValue | null }) {
-  const may = mayMove.value;
+  const may = mayProgram.value;
   const names = list.map((each) => each.name);
   const poses = list.every((each) => each.kind === 'pose' && !isTool(each));
   return (
@@ -52,7 +52,7 @@ function Actions({ list, only }: { list: DataValue[]; only: DataValue | null }) 
           icon="pin"
           disabled={!may}
           onClick={() =>
-            ask({ title: t('points.touchUpQ', { name: only.name }), text: t('points.touchUpText'), action: t('points.touchUp'), onYes: () => void touchUp(only) })
+            ask({ title: t('points.touchUpQ', { name: only.name }), text: touchUpWords(), action: t('points.touchUp'), onYes: () => void touchUp(only) })
           }
         />
       )}
@@ -64,6 +64,9 @@ function Actions({ list, only }: { list: DataValue[]; only: DataValue | null }) 
     </div>
   );
 }
+
+/** With several robots it matters whose position is taken. */
+const touchUpWords = () => ((cell.value?.robots.length ?? 0) > 1 ? t('points.touchUpOf', { robot: robot.value?.name ?? '' }) : t('points.touchUpText'));
 
 async function touchUp(value: DataValue): Promise<void> {
   const args = { name: value.name, robot: robot.value?.name ?? '', kind: value.kind === 'joints' ? ('joints' as const) : ('pose' as const), frame: value.taught?.frame || undefined, replace: true };
@@ -93,7 +96,7 @@ function Rename({ value, onClose }: { value: DataValue; onClose: () => void }) {
         toast({ kind: 'warning', text: t('points.renamedUses', { name: value.name }), detail: uses.map((use) => `${use.file}:${use.line}`).join(', ') });
       else toast({ kind: 'ok', text: t('points.renamed', { name }) });
     } catch (error) {
-      toast({ kind: 'error', text: String((error as Error).message) });
+      complain(error);
     }
   };
   return (

@@ -4,7 +4,7 @@
 import { useEffect, useState } from 'preact/hooks';
 import { number, t } from '../../i18n';
 import { problemLine, problemOf } from '../../i18n/told';
-import { complain, mayMove, request, robot } from '../../state/cell';
+import { complain, mayProgram, request, robot } from '../../state/cell';
 import { changePoints, distance, frameNames, goodName, values } from '../../state/points';
 import { toast } from '../../state/toasts';
 import { Button, Field } from '../../ui/controls';
@@ -57,7 +57,7 @@ export function FrameWizard({ onClose }: { onClose: () => void }) {
       actions={
         <>
           <MoveButton kind="frame" />
-          <Button label={t('points.fSave')} icon="save" tone="primary" disabled={!answer || name === '' || nameProblem !== '' || !mayMove.value} onClick={() => void save()} />
+          <Button label={t('points.fSave')} icon="save" tone="primary" disabled={!answer || name === '' || nameProblem !== '' || !mayProgram.value} onClick={() => void save()} />
         </>
       }
     >

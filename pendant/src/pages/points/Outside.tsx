@@ -3,7 +3,7 @@ import { signal } from '@preact/signals';
 import { useEffect } from 'preact/hooks';
 import { t } from '../../i18n';
 import { able } from '../../state/abilities';
-import { connected, mayMove, request } from '../../state/cell';
+import { connected, mayProgram, request } from '../../state/cell';
 import { changePoints } from '../../state/points';
 import { toast } from '../../state/toasts';
 import { Button } from '../../ui/controls';
@@ -53,7 +53,7 @@ export function Outside() {
             .join(' ')}
         </p>
       </div>
-      <Button label={t('points.outsideTake')} icon="download" disabled={!mayMove.value} onClick={() => void take()} />
+      <Button label={t('points.outsideTake')} icon="download" disabled={!mayProgram.value} onClick={() => void take()} />
     </div>
   );
 }

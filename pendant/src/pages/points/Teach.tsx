@@ -3,7 +3,7 @@ import { signal } from '@preact/signals';
 import { useState } from 'preact/hooks';
 import { t } from '../../i18n';
 import { able } from '../../state/abilities';
-import { cell, complain, mayMove, robot, robotName } from '../../state/cell';
+import { cell, complain, mayProgram, robot, robotName } from '../../state/cell';
 import { frameNames, goodName, names, teach, values } from '../../state/points';
 import { kept } from '../../state/settings';
 import { toast } from '../../state/toasts';
@@ -37,8 +37,11 @@ export function Teach() {
   return (
     <section class="points-teach" aria-label={t('points.teachTitle')}>
       <Field label={t('points.newName')} value={name} problem={problem} onInput={setWanted} onEnter={() => void go()} />
-      <Button label={t('points.teach')} icon="pin" tone="good" big disabled={!mayMove.value || name === '' || problem !== ''} onClick={() => void go()} />
+      <Button label={t('points.teach')} icon="pin" tone="good" big disabled={!mayProgram.value || name === '' || problem !== ''} onClick={() => void go()} />
       <Button label={t('points.more')} icon="settings" bare pressed={more.value} onClick={() => (more.value = !more.value)} />
+      {robots.length > 1 && (
+        <Segmented label={t('move.robot')} value={robot.value?.name ?? ''} options={robots.map((each) => ({ id: each.name, name: each.name }))} onChange={(id) => (robotName.value = id)} />
+      )}
       {more.value && (
         <div class="points-more">
           <Segmented
@@ -50,9 +53,6 @@ export function Teach() {
             ]}
             onChange={(id) => (kind.value = id)}
           />
-          {robots.length > 1 && (
-            <Select label={t('move.robot')} value={robot.value?.name ?? ''} options={robots.map((each) => ({ id: each.name, name: each.name }))} onChange={(id) => (robotName.value = id)} />
-          )}
           {kind.value === 'pose' && (
             <Select
               label={t('points.inFrame')}

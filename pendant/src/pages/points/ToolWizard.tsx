@@ -5,7 +5,7 @@
 import { useEffect, useState } from 'preact/hooks';
 import { number, t } from '../../i18n';
 import { problemLine, problemOf } from '../../i18n/told';
-import { complain, mayMove, request, robot } from '../../state/cell';
+import { complain, mayProgram, request, robot } from '../../state/cell';
 import { changePoints, goodName, values } from '../../state/points';
 import { toast } from '../../state/toasts';
 import { Button, Field } from '../../ui/controls';
@@ -51,7 +51,7 @@ export function ToolWizard({ onClose }: { onClose: () => void }) {
         <>
           <MoveButton kind="tool" />
           <Button label={t('points.take', { what: t('points.tPose', { number: poses.length + 1 }) })} icon="pin" tone={poses.length < kLeast ? 'primary' : 'plain'} onClick={() => void touch()} />
-          <Button label={t('points.tSave')} icon="save" tone="primary" disabled={!answer || answer.largest > kGood || name === '' || nameProblem !== '' || !mayMove.value} onClick={() => void save()} />
+          <Button label={t('points.tSave')} icon="save" tone="primary" disabled={!answer || answer.largest > kGood || name === '' || nameProblem !== '' || !mayProgram.value} onClick={() => void save()} />
         </>
       }
     >

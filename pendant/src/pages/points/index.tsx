@@ -2,7 +2,7 @@
 import { useEffect, useState } from 'preact/hooks';
 import { t } from '../../i18n';
 import { WatchOnly } from '../../shell/Control';
-import { complain, mayMove, request } from '../../state/cell';
+import { complain, mayProgram, request } from '../../state/cell';
 import { followPoints, groupNames, loadPoints } from '../../state/points';
 import { toast } from '../../state/toasts';
 import { open } from '../../ui/ask';
@@ -81,10 +81,10 @@ function Bar() {
       />
       {groupNames.value.length > 0 && <GroupFilter />}
       <div class="points-wizards">
-        <Button label={t('points.frame')} icon="cube" disabled={!mayMove.value} onClick={() => open((close) => <FrameWizard onClose={close} />)} />
-        <Button label={t('points.tool')} icon="target" disabled={!mayMove.value} onClick={() => open((close) => <ToolWizard onClose={close} />)} />
-        <Button label={t('points.camera')} icon="eye" disabled={!mayMove.value} onClick={() => open((close) => <CameraWizard onClose={close} />)} />
-        <Button label={t('points.undo')} icon="undo" bare disabled={!mayMove.value} onClick={() => void undo()} />
+        <Button label={t('points.frame')} icon="cube" disabled={!mayProgram.value} onClick={() => open((close) => <FrameWizard onClose={close} />)} />
+        <Button label={t('points.tool')} icon="target" disabled={!mayProgram.value} onClick={() => open((close) => <ToolWizard onClose={close} />)} />
+        <Button label={t('points.camera')} icon="eye" disabled={!mayProgram.value} onClick={() => open((close) => <CameraWizard onClose={close} />)} />
+        <Button label={t('points.undo')} icon="undo" bare disabled={!mayProgram.value} onClick={() => void undo()} />
       </div>
     </div>
   );

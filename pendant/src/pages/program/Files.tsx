@@ -1,7 +1,7 @@
 /** File operations: open, new, save as, rename, delete; and earlier versions. */
 import { useEffect, useMemo, useState } from 'preact/hooks';
 import { moment, t } from '../../i18n';
-import { attempt, complain, mayMove, request } from '../../state/cell';
+import { attempt, complain, mayProgram, request } from '../../state/cell';
 import { ask, open } from '../../ui/ask';
 import { Button, Empty, Field, Loading, Segmented } from '../../ui/controls';
 import { Dialog } from '../../ui/Dialog';
@@ -21,9 +21,9 @@ export function FilesDialog({ onClose }: { onClose: () => void }) {
       onClose={onClose}
       actions={
         <>
-          <Button label={t('program.rename')} icon="edit" disabled={!mayMove.value || doc.base.value === ''} onClick={() => open((close) => <RenameDialog onClose={close} />)} />
-          <Button label={t('program.delete')} icon="trash" disabled={!mayMove.value || doc.fileName.value === ''} onClick={askDelete} />
-          <Button label={t('program.saveAs')} icon="copy" disabled={!mayMove.value || doc.fileName.value === ''} onClick={() => open((close) => <SaveAsDialog onClose={close} />)} />
+          <Button label={t('program.rename')} icon="edit" disabled={!mayProgram.value || doc.base.value === ''} onClick={() => open((close) => <RenameDialog onClose={close} />)} />
+          <Button label={t('program.delete')} icon="trash" disabled={!mayProgram.value || doc.fileName.value === ''} onClick={askDelete} />
+          <Button label={t('program.saveAs')} icon="copy" disabled={!mayProgram.value || doc.fileName.value === ''} onClick={() => open((close) => <SaveAsDialog onClose={close} />)} />
           <Button label={t('program.new')} icon="plus" tone="primary" onClick={() => open((close) => <NewFileDialog onClose={close} />)} />
         </>
       }

@@ -4,7 +4,7 @@
  */
 import { useState } from 'preact/hooks';
 import { type Key, t } from '../../i18n';
-import { complain, mayMove, robot } from '../../state/cell';
+import { complain, mayProgram, robot } from '../../state/cell';
 import { goodName, isPlace, isTool, names, places, teach, values } from '../../state/points';
 import { toast } from '../../state/toasts';
 import { open } from '../../ui/ask';
@@ -253,7 +253,7 @@ function TeachHere({ taken, onTaught }: { taken: string[]; onTaught: (name: stri
   const [name, setName] = useState<string | null>(null);
   if (name === null)
     return (
-      <Button label={t('step.teachHere')} icon="pin" disabled={!mayMove.value} onClick={() => setName(freeName('P', [...taken, ...values.value.map((each) => each.name)]))} />
+      <Button label={t('step.teachHere')} icon="pin" disabled={!mayProgram.value} onClick={() => setName(freeName('P', [...taken, ...values.value.map((each) => each.name)]))} />
     );
   const problem = name === '' || goodName(name) ? (taken.includes(name) ? t('points.exists') : '') : t('points.badName');
   const go = async () => {

@@ -2,7 +2,7 @@ import { t } from '../../i18n';
 import { blockedWords } from '../../shell/blocked';
 import { step } from '../../state/actions';
 import { go } from '../../shell/route';
-import { attempt, mayMove, pausing, status, ways } from '../../state/cell';
+import { attempt, mayAdminister, pausing, status, ways } from '../../state/cell';
 import { canBe } from '../../state/ways';
 import { ask } from '../../ui/ask';
 import { Button } from '../../ui/controls';
@@ -59,7 +59,7 @@ function WithoutCell() {
     <div key="none" class="run-keys">
       <p class="note">{t('cell.noneOpenText')}</p>
       <Button label={t('cell.toProjects')} icon="folder" tone="primary" big onClick={() => go('cell')} />
-      <Button label={t('cell.tryAgain')} icon="repeat" big disabled={!mayMove.value} onClick={() => void attempt('cell.restart')} />
+      <Button label={t('cell.tryAgain')} icon="repeat" big disabled={!mayAdminister.value} onClick={() => void attempt('cell.restart')} />
     </div>
   );
 }

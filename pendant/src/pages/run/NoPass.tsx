@@ -3,7 +3,7 @@
  */
 import { useEffect, useState } from 'preact/hooks';
 import { t } from '../../i18n';
-import { complain, mayMove, request, status } from '../../state/cell';
+import { complain, mayAdminister, request, status } from '../../state/cell';
 import { Button } from '../../ui/controls';
 import { Icon } from '../../ui/Icon';
 import { askReset, restarting } from '../cell/restart';
@@ -29,7 +29,7 @@ export function NoPass() {
       <div>
         <strong>{t('run.noPass', { loop: loop.source, line: loop.line })}</strong>
         <p>{t('run.noPassText')}</p>
-        <Button label={t('cell.reset')} icon="undo" disabled={!mayMove.value || restarting.value !== ''} onClick={askReset} />
+        <Button label={t('cell.reset')} icon="undo" disabled={!mayAdminister.value || restarting.value !== ''} onClick={askReset} />
       </div>
     </div>
   );
