@@ -111,7 +111,10 @@ export function readScene(got: Json): SceneInfo {
     things.push({ name: text(each.name), kind, ...pose, visuals: (each.visuals ?? []) as Visual[], moving, mover: text(each.mover) });
   };
   for (const each of list(got.fixtures)) add('fixture', each);
-  for (const each of list(got.parts)) add('part', each, true);
+  for (const each of list(got.parts)) {
+    add('part', each, true);
+    Object.assign(things[things.length - 1]!, { goalBin: text((each.goal as Json | null | undefined)?.bin), fed: text(each.feeder) !== '' });
+  }
   for (const each of list(got.bins)) things.push(region('bin', each));
   return {
     floor: typeof got.floor === 'number' ? got.floor : null,

@@ -191,6 +191,10 @@ export interface SceneThing {
   moving?: boolean;
   /** Name of the mover that carries it. */
   mover?: string;
+  /** Of a part: the bin in which it should lie at the end; '' if the scene names none. */
+  goalBin?: string;
+  /** Of a part: a feeder brings it, so it has not begun in a bin. */
+  fed?: boolean;
 }
 
 export interface SceneInfo {

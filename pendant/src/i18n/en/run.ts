@@ -19,6 +19,7 @@ export const run = {
   'run.parts': 'Parts',
   'run.partsOf': '{done} of {all}',
   'run.tcpSpeed': 'TCP speed',
+  'run.tcpSpeedOf': 'TCP speed, {robot}',
   'run.tasks': 'Tasks',
   'run.noPass': 'It ended without a cycle: “{loop}” (line {line}) did not hold',
   'run.noPassText':

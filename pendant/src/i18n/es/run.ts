@@ -22,6 +22,7 @@ export const run: Record<keyof typeof en, string> = {
   'run.parts': 'Piezas',
   'run.partsOf': '{done} de {all}',
   'run.tcpSpeed': 'Velocidad del TCP',
+  'run.tcpSpeedOf': 'Velocidad TCP, {robot}',
   'run.tasks': 'Tareas',
   'run.noPass': 'Terminó sin ningún ciclo: «{loop}» (línea {line}) no se cumplía',
   'run.noPassText':

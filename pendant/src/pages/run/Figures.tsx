@@ -1,28 +1,16 @@
 import { number, t } from '../../i18n';
-import { connected, parts, robot, status } from '../../state/cell';
+import { cell, connected, parts, robot, status } from '../../state/cell';
 import { lastCycle, meanCycle } from '../../state/cycle';
 import { beat, valueOf } from '../../state/live';
 import { scene } from '../../state/models';
 import { duration } from '../../ui/format';
-
-/** `done`: the parts that lie in a bin and are not held, or were removed from the cell; `all`: all parts. */
-export function partsInBins(): { done: number; all: number } {
-  const regions = (scene.value?.things ?? []).filter((thing) => thing.kind === 'bin');
-  const all = Object.values(parts.value);
-  const inside = all.filter(
-    (part) =>
-      part.taken ||
-      (part.here &&
-        !part.heldBy &&
-        regions.some((bin) => bin.visuals[0]?.size?.every((side, i) => Math.abs(part.p[i]! - bin.p[i]!) <= side / 2 + 1e-6))),
-  );
-  return { done: inside.length, all: all.length };
-}
+import { partsDone } from './parts';
 
 export function Figures() {
   beat.value;
   const program = status.value?.program;
-  const counted = partsInBins();
+  const counted = partsDone(Object.values(parts.value), scene.value?.things ?? []);
+  const several = (cell.value?.robots.length ?? 0) > 1;
   const speed = valueOf(`${robot.value?.name ?? ''}/tcp/speed`);
   return (
     <dl class="run-figures">
@@ -32,7 +20,7 @@ export function Figures() {
         value={program ? duration(lastCycle.value) : '–'}
         note={program && Number.isFinite(meanCycle.value) ? `⌀ ${duration(meanCycle.value)}` : ''}
       />
-      <Figure name={t('run.tcpSpeed')} value={number(Number.isFinite(speed) ? speed * 1000 : NaN, 0)} note="mm/s" />
+      <Figure name={several ? t('run.tcpSpeedOf', { robot: robot.value?.name ?? '' }) : t('run.tcpSpeed')} value={number(Number.isFinite(speed) ? speed * 1000 : NaN, 0)} note="mm/s" />
       {counted.all > 0 && <Figure name={t('run.parts')} value={connected.value ? t('run.partsOf', counted) : '–'} />}
     </dl>
   );
