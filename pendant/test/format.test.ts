@@ -2,7 +2,7 @@ import { afterEach, describe, expect, it, vi } from 'vitest';
 vi.mock('../src/state/settings', () => ({ settings: { degrees: { value: true } } }));
 vi.mock('../src/i18n', () => ({ number: String }));
 import { settings } from '../src/state/settings';
-import { decimalsOf, nameParts, shortened, shownIn, withinSentence } from '../src/ui/format';
+import { decimalsOf, nameParts, placeIn, shortened, shownIn, withinSentence } from '../src/ui/format';
 
 describe('units of curves', () => {
   afterEach(() => (settings.degrees.value = true));
@@ -46,5 +46,13 @@ describe('words', () => {
     expect(nameParts('part_held_2')).toEqual(['part_', 'held_', '2']);
     expect(nameParts('PLC')).toEqual(['PLC']);
     expect(nameParts('VálvulaÁgil')).toEqual(['Válvula', 'Ágil']);
+  });
+});
+
+describe('places in files', () => {
+  it('are without the folder of the cell', () => {
+    expect(placeIn('/home/me/cells/press', '/home/me/cells/press/lib/grippers.script:3')).toBe('lib/grippers.script:3');
+    expect(placeIn('/home/me/cells/press', '/home/me/cells/press_2/job.script:3')).toBe('/home/me/cells/press_2/job.script:3');
+    expect(placeIn('', 'job.script:3')).toBe('job.script:3');
   });
 });

@@ -2,11 +2,12 @@
 import { effect } from '@preact/signals';
 import { type Key, t } from '../i18n';
 import { problemWords } from '../i18n/told';
-import { alarms, connected, markSeen, mayMove, pausing, status, ways } from '../state/cell';
+import { alarms, cell, connected, markSeen, mayMove, pausing, status, ways } from '../state/cell';
 import { back, discard, recover, resume } from '../state/actions';
 import { canBe, waysOf } from '../state/ways';
 import { open } from '../ui/ask';
 import { Button } from '../ui/controls';
+import { placeIn } from '../ui/format';
 import { Icon } from '../ui/Icon';
 import { Alarms } from './Alarms';
 import { contactWords, kContactCodes } from './contact';
@@ -45,12 +46,12 @@ export function AlarmStrip() {
     <section class={`alarm-strip ${alarm.severity}`} role="alert" aria-label={t('alarms.strip')}>
       <Icon name="alarm" size={22} />
       <p>
-        {alarm.where && <code>{alarm.where} </code>}
         <strong>{told.text}</strong>
+        {alarm.where && <code> {placeIn(cell.value?.folder ?? '', alarm.where)}</code>}
         {(told.detail || advice) && <span> {[told.detail, advice].filter(Boolean).join(' · ')}</span>}
       </p>
       {unseen.length > 1 && <span class="chip">{t('alarms.more', { count: unseen.length - 1 })}</span>}
-      <Button label={t('alarms.details')} onClick={() => open((close) => <Alarms onClose={close} />)} />
+      <Button label={t('alarms.details')} class="alarm-details" onClick={() => open((close) => <Alarms onClose={close} />)} />
       <Button label={t('alarms.ok')} icon="check" bare onClick={() => markSeen(() => true)} />
     </section>
   );

@@ -1,8 +1,8 @@
 import { t } from '../i18n';
 import { problemWords } from '../i18n/told';
-import { alarms, markSeen } from '../state/cell';
+import { alarms, cell, markSeen } from '../state/cell';
 import type { Alarm } from '../wire/types';
-import { clockTime } from '../ui/format';
+import { clockTime, placeIn } from '../ui/format';
 import { Button, Empty } from '../ui/controls';
 import { Dialog } from '../ui/Dialog';
 
@@ -24,7 +24,7 @@ export function Alarms({ onClose }: { onClose: () => void }) {
           {list.map((alarm, i) => (
             <li key={list.length - i} class={`${alarm.severity} ${alarm.seen ? 'seen' : ''}`}>
               <p class="when">
-                <time>{clockTime(alarm.time)}</time> <code>{alarm.code}</code> {alarm.where}
+                <time>{clockTime(alarm.time)}</time> <code>{alarm.code}</code> {placeIn(cell.value?.folder ?? '', alarm.where)}
               </p>
               <What alarm={alarm} />
             </li>

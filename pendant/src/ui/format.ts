@@ -69,3 +69,6 @@ export function decimalsOf(step: number): number {
   }
   return 9;
 }
+
+/** A place in a file of the cell, without the cell's folder. Places elsewhere do not change. */
+export const placeIn = (folder: string, where: string): string => (folder !== '' && where.startsWith(`${folder}/`) ? where.slice(folder.length + 1) : where);

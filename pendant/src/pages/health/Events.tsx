@@ -3,11 +3,11 @@ import { signal } from '@preact/signals';
 import { useEffect, useRef } from 'preact/hooks';
 import { t, word } from '../../i18n';
 import { lineWords, problemWords } from '../../i18n/told';
-import { alarms, log, markSeen } from '../../state/cell';
+import { alarms, cell, log, markSeen } from '../../state/cell';
 import { kept } from '../../state/settings';
 import type { LogLine } from '../../wire/types';
 import { Button, Empty, Search, Segmented } from '../../ui/controls';
-import { clockTime } from '../../ui/format';
+import { clockTime, placeIn } from '../../ui/format';
 import { Icon } from '../../ui/Icon';
 
 export function AlarmList() {
@@ -33,7 +33,7 @@ export function AlarmList() {
               {problemWords(alarm).detail && <p>{problemWords(alarm).detail}</p>}
               {alarm.where && (
                 <p>
-                  <b>{t('health.where')}:</b> {alarm.where}
+                  <b>{t('health.where')}:</b> {placeIn(cell.value?.folder ?? '', alarm.where)}
                 </p>
               )}
               {problemWords(alarm).advice && (
