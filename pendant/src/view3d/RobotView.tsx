@@ -47,7 +47,7 @@ export function RobotView() {
 
 /** Says why a planned move is slower than it was planned. */
 function Slowed() {
-  const text = slowedWords(Object.values(nears.value), (cell.value?.robots ?? []).map((each) => each.name));
+  const text = slowedWords(Object.values(nears.value), (cell.value?.robots ?? []).map((each) => each.name), status.value?.state === 'running');
   return text ? <p class="view-slowed">{text}</p> : null;
 }
 

@@ -30,7 +30,7 @@ function lineText(line: number, file = ''): string {
   return file === '' || sameFile(file, own) ? t('run.line', { line }) : t('run.lineOf', { line, file: shortName(file) });
 }
 
-/** The program's name and state, and the current statement. */
+/** The program's name and state, and the current statement, or those of several tasks. */
 export function Now() {
   const it = status.value?.program;
   const state = programWord();
@@ -45,10 +45,12 @@ export function Now() {
       </header>
       {!it.ended && !it.ready && (
         <>
-          <p class="statement">
-            <span class="line">{lineText(it.line, it.lineFile)}</span>
-            <code title={it.source}>{it.source || '…'}</code>
-          </p>
+          {tasksNow().length < 2 && (
+            <p class="statement">
+              <span class="line">{lineText(it.line, it.lineFile)}</span>
+              <code title={it.source}>{it.source || '…'}</code>
+            </p>
+          )}
           <Tasks />
         </>
       )}
@@ -83,6 +85,8 @@ interface TaskLine {
   paused: boolean;
 }
 
+const tasksNow = () => ((program.value as Json | null)?.tasks ?? []) as TaskLine[];
+
 function waits(task: TaskLine): string {
   if (task.paused) return t('program.paused');
   // A held or faulted cell waits for a person, whatever its program waits for.
@@ -93,7 +97,7 @@ function waits(task: TaskLine): string {
 
 /** What the task waits for. With several tasks, one line for each. */
 function Tasks() {
-  const tasks = ((program.value as Json | null)?.tasks ?? []) as TaskLine[];
+  const tasks = tasksNow();
   const going = tasks.filter((task) => task.state === 'running' || task.state === 'waiting');
   if (tasks.length < 2) return <p class="note">{tasks[0] ? waits(tasks[0]) : ' '}</p>;
   return (
