@@ -183,6 +183,10 @@ describe('what a person can do', () => {
     }
   });
 
+  it('says in one short line why a robot in forward mode is not jogged', () => {
+    expect(blockedWords(why('forward-mode'))).toBe('Its own controller interpolates: this page moves the robot only by programs.');
+  });
+
   it('does not step twice: while a pause comes, no step can be asked for', () => {
     const goes = {...all[0]!, program: 'running'};
     expect(canBe(seen(goes).step)).toBe(true);

@@ -7,6 +7,7 @@ import type {Blocked} from '../state/ways';
 const kFirst: Record<string, Key> = {
   disarmed: 'why.armFirst',
   fault: 'why.recoverFirst',
+  'forward-mode': 'why.forwardMode',
   held: 'why.resumeFirst',
   'motion-held': 'why.motionFirst',
   moving: 'why.moving',

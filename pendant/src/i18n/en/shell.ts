@@ -195,6 +195,7 @@ export const shell = {
   'why.motionFirst': 'Resume or cancel the paused motion first.',
   'why.programFirst': 'Pause or end the program first.',
   'why.activateFirst': 'Activate the hardware first.',
+  'why.forwardMode': 'Its own controller interpolates: this page moves the robot only by programs.',
   'why.moving': 'Wait until the robot is at rest.',
   'why.noMotion': 'No motion is held.',
   'why.noneOpen': 'Open a program first.',

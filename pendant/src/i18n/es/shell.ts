@@ -198,6 +198,7 @@ export const shell: Record<keyof typeof en, string> = {
   'why.motionFirst': 'Reanude o cancele antes el movimiento en pausa.',
   'why.programFirst': 'Ponga en pausa o termine antes el programa.',
   'why.activateFirst': 'Active antes los equipos.',
+  'why.forwardMode': 'Interpola su propio controlador: esta página solo lo mueve con programas.',
   'why.moving': 'Espere a que el robot esté parado.',
   'why.noMotion': 'No hay ningún movimiento retenido.',
   'why.noneOpen': 'Abra antes un programa.',
