@@ -56,6 +56,8 @@ describe('what drivers tell', () => {
     expect(fault('the controller at 10.0.0.9: somebody pressed the user stop; release it; then recover here')).toMatch(/^El controlador en 10\.0\.0\.9 está en parada de emergencia/);
     expect(fault('the controller at 10.0.0.9 closed the connection at once: activate FCI in Desk, end other programs that use the robot')).toMatch(/^Otro programa usa el controlador en 10/);
     expect(fault('its cable is chewed')).toBe('its cable is chewed');
+    const refused = problemWords({ code: 'component-failed', what: `the hardware component 'arm' could not be activated and is inactive: ${stop}` });
+    expect(refused.detail).toMatch(/^El controlador en 10\.0\.0\.7 hizo una parada de protección/);
   });
 });
 

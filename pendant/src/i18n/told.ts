@@ -121,7 +121,8 @@ export function problemWords({code, what, advice, facts = {}}: Problem): Told {
   }
   const said = known(`told.${code}`) ? t(`told.${code}` as Key) : own || t('told.refused');
   const first = language.value === 'en' && own ? own : said;
-  return {text: first, detail: first === own || kSaysAll.has(code) ? '' : own, advice: todo};
+  const detail = code === 'component-failed' ? deviceWords(own) : own;
+  return {text: first, detail: first === own || kSaysAll.has(code) ? '' : detail, advice: todo};
 }
 
 /** The problem in one line, with the cell's own words in brackets. */
