@@ -33,6 +33,8 @@ const { at, test, atRest } = suite({
     writeFileSync(join(folder, 'work.data'), 'Name: Count\nNum: 0\nName: Go\nBool: True\n');
     writeFileSync(join(folder, 'job.script'), kJob);
     writeFileSync(join(folder, 'reach.script'), kReach);
+    writeFileSync(join(folder, 'includes.script'), 'include "lib.script"\nopen_it()\n');
+    writeFileSync(join(folder, 'lib.script'), 'func open_it()\n  set Coount = 1\nend\n');
   },
 });
 let page;
@@ -187,6 +189,19 @@ test('lists what a dry run finds by line, and shows it in 3D', async () => {
   await button('Show it in 3D').click();
   await side().getByRole('region', { name: 'Robot view' }).getByRole('button', { name: 'Views' }).waitFor();
   await picture(page, 'dry');
+});
+
+test('lists errors of included files with their file, and opens it', async () => {
+  await below('Problems');
+  await openFile('includes.script');
+  const error = side().getByRole('button', { name: /^lib\.script, line 2 · Error/ });
+  await error.waitFor();
+  assert.ok(await side().getByRole('button', { name: 'Start', exact: true }).isDisabled());
+  await error.click();
+  await button(/^Program lib\.script/).waitFor();
+  await side().getByRole('button', { name: /^Line 2 · Error/ }).waitFor();
+  await openFile('reach.script');
+  await below('3D view');
 });
 
 test('keeps every text that was saved, shows it beside that of now, and puts it back', async () => {

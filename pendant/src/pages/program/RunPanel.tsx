@@ -3,6 +3,7 @@
  * line.
  */
 import type { Args, RequestName } from '../../state/cell';
+import { useEffect } from 'preact/hooks';
 import { number, t, word } from '../../i18n';
 import { plain } from '../../i18n/told';
 import { attempt, complain, connected, mayMove, pausing, program, request, status, ways } from '../../state/cell';
@@ -27,6 +28,12 @@ import { dry, dryRun, forgetDry } from './dry';
 const shown = kept<'problems' | 'variables' | 'view'>('program.panel', 'problems');
 
 export function RunPanel() {
+  const file = doc.fileName.value;
+  // The paths of a dry run belong to its file.
+  useEffect(() => {
+    const now = dry.peek();
+    if (now.kind === 'done' && now.file !== file) forgetDry();
+  }, [file]);
   return (
     <aside class="program-side" aria-label={t('program.runAndLook')}>
       <Where />
@@ -82,7 +89,7 @@ function Buttons() {
       <div key="start" class="program-buttons">
         <Button label={t('program.start')} icon="run" big tone="good" disabled={!open || !canBe(now.start) || wrong} onClick={() => void doc.start()} />
         <Button label={t('program.dry')} icon="eye" big disabled={!connected.value || !doc.isProgram.value || dry.value.kind === 'runs'} onClick={beginDry} />
-        <Button label={t('program.fromLine', { line })} icon="right" disabled={!open || !canBe(now.start)} onClick={() => void runFrom(line)} />
+        <Button label={t('program.fromLine', { line })} icon="right" disabled={!open || !canBe(now.start) || wrong} onClick={() => void runFrom(line)} />
         <BreakpointButton />
         {why && <p class="note">{why}</p>}
       </div>
