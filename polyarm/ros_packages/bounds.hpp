@@ -14,6 +14,7 @@
   X(kMostSources, 5000, "files", "sources of one package that it reads", "the others are not read")            \
   X(kMostProviders, 50, "packages", "packages of a workspace whose headers it knows without a dependency",     \
     "only those of dependencies")                                                                              \
+  X(kMostMeanings, 32, "values", "values of a variable of a build file", "the others are not read")             \
   X(kMostPackages, 2000, "packages", "packages of a workspace", "the others are not read")                     \
   X(kMostFolders, 20000, "folders", "folders in which packages are looked for", "the others are not read")     \
   X(kDeepest, 8, "levels", "folders below each other in which packages are looked for", "not read")

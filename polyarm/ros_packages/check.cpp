@@ -116,8 +116,9 @@ struct Check {
         calls(text, "add_library");  // also ament_auto_add_library
     for (const PluginClass& c : plugin_classes(package))
       for (const std::vector<std::string>& words : libraries) {
-        if (c.library.empty() || words.empty() || of(words[0]) != std::vector<std::string>{c.library})
-          continue;
+        if (c.library.empty() || words.empty()) continue;
+        const std::vector<std::string> names = meanings(words[0], variables, 0);
+        if (std::find(names.begin(), names.end(), c.library) == names.end()) continue;
         for (const std::string& word : words)
           for (const std::string& each : of(word))
             if (fs::is_regular_file(package.folder / each, error)) out.push_back(package.folder / each);
@@ -161,12 +162,32 @@ struct Check {
       for (const fs::path& file : sources_of(beside)) take_own(beside, file);
     }
   }
+  /// What a word with variables may mean: a variable may be set more than once.
+  static std::vector<std::string> meanings(const std::string& word,
+                                           const std::map<std::string, std::vector<std::string>>& variables,
+                                           std::size_t depth) {
+    const auto at = word.find("${"), end = word.find('}', at);
+    if (at == std::string::npos || end == std::string::npos || depth >= kDeepest) return {word};
+    const auto found = variables.find(word.substr(at, end + 1 - at));
+    if (found == variables.end()) return {word};
+    std::vector<std::string> out;
+    for (const std::string& value : found->second) {
+      if (out.size() >= kMostMeanings) break;
+      if (value.find(found->first) != std::string::npos) continue;  // set(X ${X} more)
+      for (std::string& each : meanings(word.substr(0, at) + value + word.substr(end + 1), variables, depth + 1))
+        out.push_back(std::move(each));
+    }
+    return out.empty() ? std::vector<std::string>{word} : out;
+  }
   /// What the build file sets, by "${NAME}".
   static std::map<std::string, std::vector<std::string>> variables_of(const Package& from,
                                                                       const std::string& text) {
     std::map<std::string, std::vector<std::string>> out;
-    for (std::vector<std::string>& words : calls(text, "set"))
-      if (words.size() > 1) out["${" + words[0] + "}"] = {words.begin() + 1, words.end()};
+    for (std::vector<std::string>& words : calls(text, "set")) {
+      if (words.empty()) continue;
+      std::vector<std::string>& values = out["${" + words[0] + "}"];
+      values.insert(values.end(), words.begin() + 1, words.end());
+    }
     out["${PROJECT_NAME}"] = {from.name};
     return out;
   }
@@ -176,13 +197,12 @@ struct Check {
     if (!fs::exists(from.folder / "CMakeLists.txt", error)) return;
     const std::string text = read_file(from.folder / "CMakeLists.txt", kLargestSource);
     const auto variables = variables_of(from, text);
-    for (std::vector<std::string>& words : calls(text, "generate_parameter_library")) {
+    for (const std::vector<std::string>& words : calls(text, "generate_parameter_library")) {
       if (words.empty()) continue;
-      for (const auto& [variable, values] : variables)
-        if (words[0].starts_with(variable) && !values.empty())
-          words[0] = values.front() + words[0].substr(variable.size());
-      own.emplace(words[0] + ".hpp", "");
-      own.emplace(from.name + "/" + words[0] + ".hpp", "");
+      for (const std::string& name : meanings(words[0], variables, 0)) {
+        own.emplace(name + ".hpp", "");
+        own.emplace(from.name + "/" + name + ".hpp", "");
+      }
     }
     for (const std::vector<std::string>& words : calls(text, "configure_file")) {
       if (words.size() < 2) continue;

@@ -75,11 +75,14 @@ struct Writer {
         refuse(where, "'" + name + "' is not a name");
   }
 
+  static bool is_text(const std::string& type) {
+    return type.starts_with("string") || type.starts_with("wstring");
+  }
   static std::string value(const std::string& type, std::string text) {
     if (type == "bool") return equal_ignoring_case(text, "true") || text == "1" ? "true" : "false";
-    if (type != "string") return text;
+    if (!is_text(type)) return text;
     if (text.size() >= 2 && (text[0] == '"' || text[0] == '\'')) text = text.substr(1, text.size() - 2);
-    std::string out = "\"";
+    std::string out = type[0] == 'w' ? "u\"" : "\"";
     for (const char c : text) {
       if (c == '"' || c == '\\') out += '\\';
       out += c;
@@ -109,7 +112,7 @@ struct Writer {
     const auto bracket = type.find('[');
     if (bracket == std::string::npos) {
       out.type = element(type, where);
-      if (!initial.empty() && type != "string") check_number(initial, where);
+      if (!initial.empty() && !is_text(type)) check_number(initial, where);
       if (!initial.empty()) out.initial = value(type, initial);
       return out;
     }
@@ -117,14 +120,38 @@ struct Writer {
     const std::string size = type.substr(bracket + 1, type.find(']', bracket) - bracket - 1);
     const bool fixed = !size.empty() && size.find_first_not_of("0123456789") == std::string::npos;
     out.type = fixed ? "std::array<" + one + ", " + size + ">" : "std::vector<" + one + ">";
+    out.initial = list(type.substr(0, bracket), initial, where);
+    return out;
+  }
+  /// The default of an array, "[1, 2]", as it stands between braces.
+  static std::string list(const std::string& type, const std::string& text, const Location& where) {
+    if (text.empty()) return {};
+    if (text.front() != '[' || text.back() != ']') refuse(where, "'" + text + "' is not a list of values");
+    std::string out, one;
+    char quote = 0;
+    const auto take = [&] {
+      const std::string item(trim(one));
+      if (!is_text(type)) check_number(item, where);
+      if (!item.empty()) out += (out.empty() ? "" : ", ") + value(type, item);
+      one.clear();
+    };
+    for (const char c : text.substr(1, text.size() - 2)) {
+      if (quote == 0 && c == ',') {
+        take();
+        continue;
+      }
+      if (c == '"' || c == '\'') quote = quote == 0 ? c : quote == c ? char{0} : quote;
+      one += c;
+    }
+    take();
     return out;
   }
   Member constant(const std::string& type, const std::string& name, const std::string& text,
                   const Location& where) {
     check_name(name, where);
     if (!primitives().contains(type)) refuse(where, "a constant cannot be a '" + type + "'");
-    if (type != "string") check_number(text, where);
-    return {type == "string" ? "const char*" : element(type, where), name, value(type, text), true};
+    if (!is_text(type)) check_number(text, where);
+    return {element(type, where), name, value(type, text), true};
   }
 
   void read() {
@@ -176,7 +203,9 @@ struct Writer {
            "(rosidl_runtime_cpp::MessageInitialization) {}\n";
     out += "  using UniquePtr = std::unique_ptr<" + made.name + ">;\n";
     for (const Member& m : made.members)
-      if (m.constant) out += "  static constexpr " + m.type + " " + m.name + " = " + m.initial + ";\n";
+      if (m.constant)
+        out += (m.type == "std::string" ? "  static inline const " : "  static constexpr ") + m.type + " " +
+               m.name + " = " + m.initial + ";\n";
     std::string equal, setters;
     for (const Member& m : made.members)
       if (!m.constant) {

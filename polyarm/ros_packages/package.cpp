@@ -8,6 +8,7 @@
 
 #include "polyarm/base/file.hpp"
 #include "polyarm/base/text.hpp"
+#include "polyarm/base/xml_bounds.hpp"
 
 namespace polyarm::ros_packages {
 
@@ -15,7 +16,7 @@ namespace fs = std::filesystem;
 
 namespace {
 void parse(tinyxml2::XMLDocument& document, const fs::path& file) {
-  const std::string text = read_file(file, kLargestXml);
+  const std::string text = without_instructions(read_file(file, kLargestXml));
   if (document.Parse(text.data(), text.size()) != tinyxml2::XML_SUCCESS)
     throw Error(
         Problem{"bad-package", {file.string(), document.ErrorLineNum()}, "this is no XML", "mend the file"});

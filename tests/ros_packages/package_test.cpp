@@ -33,6 +33,13 @@ TEST(Packages, OfAWorkspaceAreFoundBesideIgnoredAndBuiltOnes) {
   EXPECT_EQ(found[1].name, "b");
 }
 
+TEST(Packages, MayHaveALicenceInFrontOfAnInstruction) {
+  const test::Folder place;
+  place.write("a/package.xml",
+              "<?xml version=\"1.0\"?>\n<!-- a licence -->\n<?xml-model href=\"format3.xsd\"?>\n" + manifest("a"));
+  EXPECT_EQ(read_package(place.path() / "a/package.xml").name, "a");
+}
+
 TEST(Packages, OfTheSameRepositoryAreFoundFromOneOfThem) {
   const test::Folder place;
   place.write("robot/control/arm/package.xml", manifest("arm"));
@@ -147,9 +154,25 @@ TEST(Interfaces, BecomeStructsWithConstantsDefaultsAndArrays) {
   for (const char* part :
        {"#include \"std_msgs/msg/header.hpp\"", "#include \"acme/msg/other.hpp\"",
         "std::array<double, 3> turns{};", "std::vector<std::string> names{};",
-        "static constexpr std::uint8_t WORN = 1;", "static constexpr const char* WHO = \"a # b\";",
+        "static constexpr std::uint8_t WORN = 1;", "static inline const std::string WHO = \"a # b\";",
         "double w{1.0};", "acme::msg::Other other{};"})
     EXPECT_NE(code.find(part), std::string::npos) << part << "\n" << code;
+}
+
+TEST(Interfaces, HaveTheDefaultsOfArraysAndOfBoundedTexts) {
+  const std::string code =
+      header_code({"acme",
+                   "msg",
+                   "Start",
+                   "float64[3] way [1, 2.5, -3]\nbool[] on [true, False]\nstring[] who [\"a, b\", 'c']\n"
+                   "string<=5 mode \"fast\"\nwstring sign \"x\"\nuint8[] none []\n",
+                   {}});
+  for (const char* part : {"std::array<double, 3> way{1, 2.5, -3};", "std::vector<bool> on{true, false};",
+                           "std::vector<std::string> who{\"a, b\", \"c\"};", "std::string mode{\"fast\"};",
+                           "std::u16string sign{u\"x\"};", "std::vector<std::uint8_t> none{};"})
+    EXPECT_NE(code.find(part), std::string::npos) << part << "\n" << code;
+  EXPECT_THROW(header_code({"acme", "msg", "Start", "float64[2] way 1, 2\n", {}}), Error);
+  EXPECT_THROW(header_code({"acme", "msg", "Start", "float64[2] way [1, f()]\n", {}}), Error);
 }
 
 TEST(Interfaces, MayHaveFieldsWithAnyName) {
@@ -231,7 +254,8 @@ TEST(Check, LeavesOtherSystemsAndReadsVariablesAndFoldersBeside) {
   place.write("acme/CMakeLists.txt",
               "set(SOURCES src/drive.cpp)\nadd_library(drive SHARED ${SOURCES})\n"
               "target_include_directories(drive PRIVATE ../shared)\nset(NAME gains)\n"
-              "generate_parameter_library(${NAME}_parameters src/gains.yaml)\n"
+              "set(NAME ${NAME} more)\nset(TARGET ${NAME}_parameters)\n"
+              "generate_parameter_library(${TARGET} src/${TARGET}.yaml)\nset(TARGET drive)\n"
               "configure_file(config.h.in ${CMAKE_BINARY_DIR}/config.h)\n");
   place.write("acme/src/drive.cpp",
               "#include <bus.hpp>\n#include <std_msgs/msg/detail/bool__builder.hpp>\n#ifdef _WIN32\n"
