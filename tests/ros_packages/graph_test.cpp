@@ -6,6 +6,7 @@
 #include "geometry_msgs/msg/transform_stamped.hpp"
 #include "polyarm/hardware/node_graph.hpp"
 #include "rclcpp/rclcpp.hpp"
+#include "rclcpp/serialization.hpp"
 #include "sensor_msgs/msg/joint_state.hpp"
 #include "std_msgs/msg/string.hpp"
 #include "std_srvs/srv/set_bool.hpp"
@@ -164,6 +165,49 @@ TEST(NodePorts, BringMessagesAndRequestsToTheCallbacks) {
   later->send_response(*open, response);
   ASSERT_TRUE(slow->to_graph.take(letter));
   EXPECT_EQ(letter.number, 42u);
+}
+
+TEST(GenericTopics, CarryPayloadsOfATypeThatIsOnlyNamed) {
+  const std::string type = "std_msgs/msg/String";
+  const auto node = std::make_shared<rclcpp::Node>("driver");
+  std::vector<std::string> heard;
+  std::vector<Payload> raw;
+  const auto typed = node->create_subscription<std_msgs::msg::String>(
+      "raw_words", 10, [&](const std_msgs::msg::String& message) { heard.push_back(message.data); });
+  const auto bytes = node->create_generic_subscription(
+      "raw_words", type, 10,
+      [&](std::shared_ptr<rclcpp::SerializedMessage> m) { raw.push_back(m->polyarm_payload()); });
+  const auto other = node->create_generic_subscription(
+      "raw_words", "std_msgs/msg/Bool", 10,
+      [&](std::shared_ptr<rclcpp::SerializedMessage>) { FAIL() << "it is of another type"; });
+  const auto speaker = node->create_publisher<std_msgs::msg::String>("raw_words", 10);
+  const auto generic = node->create_generic_publisher("raw_words", type, 10);
+
+  std_msgs::msg::String word;
+  word.data = "go";
+  rclcpp::SerializedMessage message;
+  rclcpp::Serialization<std_msgs::msg::String>().serialize_message(&word, &message);
+  speaker->publish(word);
+  generic->publish(message);
+  rclcpp::spin_some(node);
+  EXPECT_EQ(heard, (std::vector<std::string>{"go", "go"}));
+  EXPECT_EQ(raw, (std::vector<Payload>{message.polyarm_payload(), message.polyarm_payload()}));
+
+  std::shared_ptr<NodePort> out, in;
+  for (const auto& port : polyarm::hardware::node_graph().ports())
+    if (port->facts.name == "/raw_words" && port->facts.type == type)
+      (port->facts.kind == polyarm::hardware::PortKind::publisher ? out : in) = port;
+  ASSERT_TRUE(out && in);  // the last ones: those without a C++ type
+  out->peers = 1;
+  generic->publish(message);
+  Letter letter;
+  ASSERT_TRUE(out->to_graph.take(letter));
+  EXPECT_EQ(letter.payload, message.polyarm_payload());
+  rclcpp::spin_some(node);
+  raw.clear();
+  put(in->from_graph, word);
+  rclcpp::spin_some(node);
+  EXPECT_EQ(raw, (std::vector<Payload>{message.polyarm_payload()}));
 }
 
 TEST(NodePorts, CarryTransforms) {

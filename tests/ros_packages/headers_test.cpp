@@ -8,10 +8,16 @@
 #include "hardware_interface/handle.hpp"
 #include "hardware_interface/lexical_casts.hpp"
 #include "rclcpp/rclcpp.hpp"
+#include "rclcpp/scope_exit.hpp"
+#include "rcpputils/asserts.hpp"
+#include "rcpputils/join.hpp"
+#include "rcutils/time.h"
 #include "realtime_tools/realtime_buffer.hpp"
 #include "realtime_tools/realtime_thread_safe_box.hpp"
+#include "tf2/LinearMath/Scalar.h"
 #include "tf2_geometry_msgs/tf2_geometry_msgs.hpp"
-#include "urdf/model.hpp"
+#include "tl/expected.hpp"
+#include "urdf_parser/urdf_parser.h"
 
 namespace {
 
@@ -61,6 +67,47 @@ TEST(RobotDescription, HasTheMassesOfItsLinks) {
   EXPECT_EQ(model.getLink("b")->inertial->origin.position.z, 0.1);
 }
 
+TEST(RobotDescription, HasTheShapesOfItsLinks) {
+  const auto model = urdf::parseURDF(
+      "<robot name='r'><link name='a'><visual><origin xyz='0 0 1'/><geometry><box size='1 2 3'/></geometry>"
+      "</visual><collision><geometry><cylinder radius='0.1' length='2'/></geometry><origin xyz='1 0 0'/>"
+      "</collision><collision name='c2'><geometry><mesh filename='f.stl' scale='2 2 2'/></geometry>"
+      "</collision></link></robot>");
+  ASSERT_TRUE(model);
+  const auto link = model->getLink("a");
+  EXPECT_EQ(link->visual->origin.position.z, 1);
+  EXPECT_EQ(std::dynamic_pointer_cast<urdf::Box>(link->visual->geometry)->dim.y, 2);
+  EXPECT_EQ(std::dynamic_pointer_cast<urdf::Cylinder>(link->collision->geometry)->radius, 0.1);
+  EXPECT_EQ(link->collision->origin.position.x, 1);
+  ASSERT_EQ(link->collision_array.size(), 2u);
+  EXPECT_EQ(link->collision_array[1]->geometry->type, urdf::Geometry::MESH);
+  EXPECT_EQ(std::dynamic_pointer_cast<urdf::Mesh>(link->collision_array[1]->geometry)->scale.z, 2);
+  EXPECT_FALSE(urdf::parseURDF("no robot"));
+}
+
+using Outcome = tl::expected<int, std::string>;
+Outcome half_of(int n) {
+  if (n % 2 != 0) return tl::make_unexpected("odd " + std::to_string(n));
+  return n / 2;
+}
+
+TEST(Expected, ChainsStepsUntilOneFails) {
+  EXPECT_EQ(half_of(8).and_then(half_of).value(), 2);
+  EXPECT_EQ(half_of(6).and_then(half_of).error(), "odd 3");
+  EXPECT_EQ(half_of(4).map([](int n) { return std::to_string(n); }).value(), "2");
+  EXPECT_EQ(half_of(3).map_error([](const std::string& e) { return e.size(); }).error(), 5u);
+  EXPECT_EQ(half_of(3).or_else([](const std::string&) -> Outcome { return 7; }).value(), 7);
+  std::string said;
+  const tl::expected<void, std::string> done =
+      half_of(4)
+          .and_then([](int) { return tl::expected<void, std::string>(); })
+          .and_then([]() -> tl::expected<void, std::string> { return tl::unexpected<std::string>("full"); })
+          .or_else([&](const std::string& e) { said = e; });
+  EXPECT_FALSE(done);
+  EXPECT_EQ(said, "full");
+  EXPECT_THROW(done.value(), tl::bad_expected_access<std::string>);
+}
+
 TEST(LexicalCasts, ReadNumbersListsAndBooleansAndRefuseTheRest) {
   using namespace hardware_interface;
   EXPECT_EQ(hardware_interface::stod("1.5"), 1.5);
@@ -97,6 +144,30 @@ TEST(Handles, ThatWereCopiedKeepTheirOwnNumberOrTheSharedOne) {
   EXPECT_EQ(own.get_value(), 3);
 }
 
+TEST(SmallHelpers, DoWhatTheirNamesSay) {
+  int ended = 0;
+  {
+    RCPPUTILS_SCOPE_EXIT(++ended);
+    auto cancelled = rcpputils::make_scope_exit([&] { ended += 10; });
+    cancelled.cancel();
+    EXPECT_EQ(ended, 0);
+  }
+  EXPECT_EQ(ended, 1);
+  EXPECT_EQ(rcpputils::join(std::vector<int>{1, 2, 3}, ", "), "1, 2, 3");
+  EXPECT_THROW(rcpputils::check_true(false, "shut"), rcpputils::IllegalStateException);
+  EXPECT_THROW(rcpputils::require_true(false), std::invalid_argument);
+  EXPECT_EQ(RCUTILS_S_TO_NS(2), 2'000'000'000);
+  EXPECT_EQ(RCUTILS_NS_TO_MS(3'500'000), 3);
+  EXPECT_NEAR(tf2Radians(180), M_PI, 1e-15);
+  EXPECT_EQ(tf2Acos(1 + 1e-12), 0);
+}
+
+/// Code of Humble gets these macros by way of other headers.
+class HARDWARE_INTERFACE_PUBLIC OfHumble : public hardware_interface::StateInterface {
+ public:
+  using StateInterface::StateInterface;
+};
+
 TEST(Time, OfTwoClocksCannotBeCompared) {
   EXPECT_THROW((void)(rclcpp::Time(1, 0, RCL_ROS_TIME) < rclcpp::Time(1, 0, RCL_STEADY_TIME)),
                std::runtime_error);
@@ -114,6 +185,49 @@ TEST(RealtimeBuffer, ShowsTheNewestValueAndNeverWaits) {
     EXPECT_EQ(value, 4);
     std::thread([&] { EXPECT_FALSE(box.try_get()); }).join();  // held by this thread
   });
+}
+
+TEST(Parameters, BecomeMessagesAndComeBack) {
+  using rclcpp::Parameter;
+  for (const Parameter& p : {Parameter("a", true), Parameter("b", 3), Parameter("c", 1.5),
+                             Parameter("d", "text"), Parameter("e", std::vector<double>{1, 2}),
+                             Parameter("f", std::vector<std::string>{"x"}), Parameter("g")}) {
+    const auto message = p.to_parameter_msg();
+    EXPECT_EQ(message.value.type, static_cast<std::uint8_t>(p.get_type()));
+    EXPECT_EQ(Parameter::from_parameter_msg(message), p) << p.get_name();
+  }
+  rcl_interfaces::msg::Parameter wrong;
+  wrong.value.type = 99;
+  EXPECT_THROW(Parameter::from_parameter_msg(wrong), std::runtime_error);
+}
+
+TEST(QualityOfService, KeepsWhatIsSetOnIt) {
+  const auto qos = rclcpp::QoS(rclcpp::KeepAll())
+                       .transient_local()
+                       .best_effort()
+                       .liveliness(rclcpp::LivelinessPolicy::ManualByTopic)
+                       .liveliness_lease_duration(rclcpp::Duration(std::chrono::milliseconds(1500)));
+  EXPECT_EQ(qos.history(), rclcpp::HistoryPolicy::KeepAll);
+  EXPECT_EQ(qos.durability(), rclcpp::DurabilityPolicy::TransientLocal);
+  EXPECT_EQ(qos.reliability(), rclcpp::ReliabilityPolicy::BestEffort);
+  EXPECT_EQ(qos.liveliness(), rclcpp::LivelinessPolicy::ManualByTopic);
+  EXPECT_EQ(qos.get_rmw_qos_profile().liveliness_lease_duration.nsec, 500'000'000u);
+  EXPECT_EQ(rclcpp::SensorDataQoS().history(), rclcpp::HistoryPolicy::KeepLast);
+}
+
+TEST(Node, KeepsAllMessagesOfATopicThatIsToKeepThemAndCountsItsPublishers) {
+  const auto node = std::make_shared<rclcpp::Node>("n");
+  int heard = 0;
+  const auto subscription = node->create_subscription<std_msgs::msg::String>(
+      "many", rclcpp::QoS(rclcpp::KeepAll()), [&](const std_msgs::msg::String&) { ++heard; });
+  const auto speaker = node->create_publisher<std_msgs::msg::String>("many", 1);
+  for (int i = 0; i < 40; ++i) speaker->publish(std_msgs::msg::String());
+  rclcpp::spin_some(node);
+  EXPECT_EQ(heard, 40);
+  const auto publishers = node->get_publishers_info_by_topic("many");
+  ASSERT_EQ(publishers.size(), 1u);
+  EXPECT_EQ(publishers[0].endpoint_type(), rclcpp::EndpointType::Publisher);
+  EXPECT_TRUE(node->get_publishers_info_by_topic("none").empty());
 }
 
 TEST(Node, RunsTimersInItsExecutorAndChecksParameters) {

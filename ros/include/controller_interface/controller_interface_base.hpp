@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "controller_interface/controller_interface_params.hpp"
+#include "controller_interface/visibility_control.h"
 #include "hardware_interface/handle.hpp"
 #include "hardware_interface/introspection.hpp"
 #include "hardware_interface/loaned_command_interface.hpp"

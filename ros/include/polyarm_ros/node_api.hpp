@@ -10,6 +10,9 @@
 #include <vector>
 
 #include "rclcpp/client.hpp"
+#include "rclcpp/generic_publisher.hpp"
+#include "rclcpp/generic_subscription.hpp"
+#include "rclcpp/node_interfaces/node_graph_interface.hpp"
 #include "rclcpp/node_interfaces/node_interfaces.hpp"
 #include "rclcpp/publisher.hpp"
 #include "rclcpp/service.hpp"
@@ -61,7 +64,14 @@ class NodeApi {
         [callback](const void* message) mutable {
           rclcpp::call_with_message(callback, *static_cast<const Message*>(message));
         },
-        on, qos.depth());
+        on, depth_of(qos));
+    if constexpr (HasFields<Message>::value) {
+      listener->type_name = Message::polyarm_type();
+      listener->from_bytes = [](const Payload& payload) -> std::shared_ptr<const void> {
+        auto message = std::make_shared<Message>();
+        return decode(payload, *message) ? message : nullptr;
+      };
+    }
     listener->port =
         open_port<Message>(PortKind::subscription, get_fully_qualified_name(), topic, full(topic), qos);
     listener->take_from_port = take_from<Message>;
@@ -80,6 +90,40 @@ class NodeApi {
     note("topic", topic, speaker->port);
     core_->wires.add(speaker);
     return std::make_shared<Publisher>(std::move(speaker));
+  }
+  template <typename... Rest>
+  rclcpp::GenericPublisher::SharedPtr create_generic_publisher(const std::string& topic,
+                                                               const std::string& type,
+                                                               const rclcpp::QoS& qos, Rest&&...) {
+    auto speaker = std::make_shared<Speaker>(topic, &typeid(Payload), find_topic(full(topic)));
+    speaker->port =
+        open_port_of(type, PortKind::publisher, get_fully_qualified_name(), topic, full(topic), qos);
+    note("topic", topic, speaker->port);
+    core_->wires.add(speaker);
+    return std::make_shared<rclcpp::GenericPublisher>(std::move(speaker), type);
+  }
+  template <typename Callback, typename... Rest>
+  rclcpp::GenericSubscription::SharedPtr create_generic_subscription(const std::string& topic,
+                                                                     const std::string& type,
+                                                                     const rclcpp::QoS& qos,
+                                                                     Callback callback, Rest&&...) {
+    const std::shared_ptr<Topic> on = find_topic(full(topic));
+    auto listener = std::make_shared<Listener>(
+        topic, &typeid(Payload),
+        [callback](const void* payload) mutable {
+          rclcpp::SerializedMessage message;
+          message.polyarm_payload() = *static_cast<const Payload*>(payload);
+          rclcpp::call_with_message(callback, message);
+        },
+        on, depth_of(qos));
+    listener->type_name = type;
+    listener->port =
+        open_port_of(type, PortKind::subscription, get_fully_qualified_name(), topic, full(topic), qos);
+    listener->take_from_port = take_bytes_from;
+    on->add(listener);
+    note("topic", topic, listener->port);
+    core_->wires.add(listener);
+    return std::make_shared<rclcpp::GenericSubscription>(std::move(listener));
   }
   /// For the wrapper of a controller.
   Wires& polyarm_wires() { return core_->wires; }
@@ -217,6 +261,17 @@ class NodeApi {
   std::map<std::string, std::vector<std::string>> get_service_names_and_types() const { return {}; }
   std::size_t count_publishers(const std::string& topic) const {
     return static_cast<std::size_t>(find_topic(full(topic))->speakers.load());
+  }
+  /// Publishers and subscriptions of this module; their nodes and types are not named.
+  std::vector<rclcpp::TopicEndpointInfo> get_publishers_info_by_topic(const std::string& topic,
+                                                                      bool = false) const {
+    using Info = rclcpp::TopicEndpointInfo;
+    return std::vector<Info>(count_publishers(topic), Info(rclcpp::EndpointType::Publisher));
+  }
+  std::vector<rclcpp::TopicEndpointInfo> get_subscriptions_info_by_topic(const std::string& topic,
+                                                                         bool = false) const {
+    using Info = rclcpp::TopicEndpointInfo;
+    return std::vector<Info>(count_subscribers(topic), Info(rclcpp::EndpointType::Subscription));
   }
   std::size_t count_subscribers(const std::string& topic) const {
     return static_cast<std::size_t>(find_topic(full(topic))->listeners.load());

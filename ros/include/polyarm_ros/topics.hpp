@@ -42,8 +42,11 @@ class Topic {
   }
   template <typename Message>
   void send(const Message& message);
+  /// A message of the type `type` ("std_msgs/msg/String") that its sender knows as bytes only.
+  void send_bytes(const std::string& type, const Payload& payload);
 
  private:
+  std::vector<std::shared_ptr<Listener>> alive();
   std::mutex mutex_;
   std::vector<std::weak_ptr<Listener>> all_;
 };
@@ -57,7 +60,8 @@ inline std::shared_ptr<Topic> find_topic(const std::string& name) {
   return out;
 }
 
-/// A subscription. `deliver` gets a message of type `type`; it copies it.
+/// A subscription. `deliver` gets a message of type `type`; it copies it. One whose node knows the message as
+/// bytes only has the type Payload.
 struct Listener {
   Listener(std::string name, const std::type_info* of_type, std::function<void(const void*)> call,
            std::shared_ptr<Topic> on, std::size_t keep)
@@ -101,6 +105,8 @@ struct Listener {
   const std::string topic;
   const std::type_info* const type;
   const std::function<void(const void*)> deliver;
+  std::string type_name;  ///< "std_msgs/msg/String"; empty for messages without a definition
+  std::function<std::shared_ptr<const void>(const Payload&)> from_bytes;  ///< null for a message that is none
   Port port;  ///< null if nothing comes from the graph
   std::function<std::shared_ptr<const void>(polyarm::hardware::NodePort&)> take_from_port;
 
@@ -136,19 +142,39 @@ struct Speaker {
   const std::shared_ptr<Topic> on;
 };
 
+inline std::vector<std::shared_ptr<Listener>> Topic::alive() {
+  std::vector<std::shared_ptr<Listener>> out;
+  const std::lock_guard lock(mutex_);
+  for (auto at = all_.begin(); at != all_.end();) {
+    auto listener = at->lock();
+    at = listener ? at + 1 : all_.erase(at);
+    if (listener) out.push_back(std::move(listener));
+  }
+  return out;
+}
 template <typename Message>
 void Topic::send(const Message& message) {
   if (listeners == 0) return;
-  std::vector<std::shared_ptr<Listener>> to;
-  {
-    const std::lock_guard lock(mutex_);
-    for (auto at = all_.begin(); at != all_.end();) {
-      auto listener = at->lock();
-      at = listener ? at + 1 : all_.erase(at);
-      if (listener && *listener->type == typeid(Message)) to.push_back(std::move(listener));
+  for (const auto& listener : alive()) {
+    if (*listener->type == typeid(Message)) {
+      listener->take(std::make_shared<const Message>(message));
+    } else if constexpr (HasFields<Message>::value) {
+      if (*listener->type != typeid(Payload) || listener->type_name != Message::polyarm_type()) continue;
+      auto payload = std::make_shared<Payload>();
+      encode(message, *payload);
+      listener->take(std::move(payload));
     }
   }
-  for (const auto& listener : to) listener->take(std::make_shared<const Message>(message));
+}
+inline void Topic::send_bytes(const std::string& type, const Payload& payload) {
+  if (listeners == 0) return;
+  for (const auto& listener : alive()) {
+    if (listener->type_name != type) continue;
+    if (*listener->type == typeid(Payload))
+      listener->take(std::make_shared<const Payload>(payload));
+    else if (auto message = listener->from_bytes ? listener->from_bytes(payload) : nullptr)
+      listener->take(std::move(message));
+  }
 }
 
 }  // namespace polyarm_ros

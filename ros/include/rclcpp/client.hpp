@@ -31,6 +31,10 @@ class ClientBase : public polyarm_ros::Callee {
       : port_(std::move(port)), name_(std::move(name)), full_(std::move(full)) {}
   const char* get_service_name() const { return full_.c_str(); }
   std::string title() const override { return name_; }
+  template <typename Clock>
+  void configure_introspection(const Clock&, const QoS&, rcl_service_introspection_state_t state) const {
+    report_introspection(full_, state);
+  }
   bool service_is_ready() const { return local() || (port_ && port_->peers.load() > 0); }
   /// Waits at most for the timeout of the steady clock (negative: for ever). A thread that serves the graph
   /// itself, as in on_configure of a controller, does not wait.

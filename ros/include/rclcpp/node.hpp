@@ -28,5 +28,20 @@ auto create_subscription(NodePointer&& node, const std::string& topic, const QoS
                          Rest&&...) {
   return node->template create_subscription<Message>(topic, qos, std::forward<Callback>(call));
 }
+template <typename Type, typename NodePointer, typename Callback, typename... Rest>
+auto create_service(NodePointer&& node, const std::string& name, Callback&& call, Rest&&...) {
+  return node->template create_service<Type>(name, std::forward<Callback>(call));
+}
+template <typename Type, typename NodePointer, typename... Rest>
+auto create_client(NodePointer&& node, const std::string& name, Rest&&...) {
+  return node->template create_client<Type>(name);
+}
+/// Its clock is the node's.
+template <typename NodePointer, typename Callback, typename... Rest>
+TimerBase::SharedPtr create_timer(NodePointer&& node, const Clock::SharedPtr&, const Duration& period,
+                                  Callback&& call, Rest&&...) {
+  return node->create_wall_timer(std::chrono::nanoseconds(period.nanoseconds()),
+                                 std::forward<Callback>(call));
+}
 
 }  // namespace rclcpp

@@ -8,6 +8,7 @@
 #include <variant>
 #include <vector>
 
+#include "rcl_interfaces/msg/parameter.hpp"
 #include "rcl_interfaces/msg/parameter_descriptor.hpp"
 #include "rcl_interfaces/msg/parameter_type.hpp"
 #include "rcl_interfaces/msg/set_parameters_result.hpp"
@@ -41,6 +42,8 @@ class ParameterValue {
   ParameterValue() = default;
   template <typename T>
   explicit ParameterValue(const T& value) : value_(stored(value)) {}
+  explicit ParameterValue(const rcl_interfaces::msg::ParameterValue& from);
+  rcl_interfaces::msg::ParameterValue to_value_msg() const;
 
   ParameterType get_type() const { return static_cast<ParameterType>(value_.index()); }
   template <typename T>
@@ -130,6 +133,52 @@ class ParameterValue {
   Variant value_;
 };
 
+inline ParameterValue::ParameterValue(const rcl_interfaces::msg::ParameterValue& from) {
+  switch (static_cast<ParameterType>(from.type)) {
+    case ParameterType::PARAMETER_NOT_SET:
+      return;
+    case ParameterType::PARAMETER_BOOL:
+      value_ = from.bool_value;
+      return;
+    case ParameterType::PARAMETER_INTEGER:
+      value_ = from.integer_value;
+      return;
+    case ParameterType::PARAMETER_DOUBLE:
+      value_ = from.double_value;
+      return;
+    case ParameterType::PARAMETER_STRING:
+      value_ = from.string_value;
+      return;
+    case ParameterType::PARAMETER_BYTE_ARRAY:
+      value_ = from.byte_array_value;
+      return;
+    case ParameterType::PARAMETER_BOOL_ARRAY:
+      value_ = from.bool_array_value;
+      return;
+    case ParameterType::PARAMETER_INTEGER_ARRAY:
+      value_ = from.integer_array_value;
+      return;
+    case ParameterType::PARAMETER_DOUBLE_ARRAY:
+      value_ = from.double_array_value;
+      return;
+    case ParameterType::PARAMETER_STRING_ARRAY:
+      value_ = from.string_array_value;
+      return;
+  }
+  throw std::runtime_error("the message names no type of a parameter");
+}
+inline rcl_interfaces::msg::ParameterValue ParameterValue::to_value_msg() const {
+  rcl_interfaces::msg::ParameterValue out;
+  out.type = static_cast<std::uint8_t>(get_type());
+  const auto put = [this](auto& to) {
+    if (const auto* held = std::get_if<std::decay_t<decltype(to)>>(&value_)) to = *held;
+  };
+  put(out.bool_value), put(out.integer_value), put(out.double_value), put(out.string_value);
+  put(out.byte_array_value), put(out.bool_array_value), put(out.integer_array_value);
+  put(out.double_array_value), put(out.string_array_value);
+  return out;
+}
+
 inline const char* to_text(ParameterType type) {
   static const char* const names[] = {"not set", "bool", "integer", "double", "string", "byte_array",
                                       "bool_array", "integer_array", "double_array", "string_array"};
@@ -202,6 +251,18 @@ class Parameter {
   std::vector<std::string> as_string_array() const { return value_.get<std::vector<std::string>>(); }
   std::vector<std::uint8_t> as_byte_array() const { return value_.get<std::vector<std::uint8_t>>(); }
   std::string value_to_string() const { return value_.as_text(); }
+  static Parameter from_parameter_msg(const rcl_interfaces::msg::Parameter& from) {
+    return {from.name, ParameterValue(from.value)};
+  }
+  rcl_interfaces::msg::Parameter to_parameter_msg() const {
+    rcl_interfaces::msg::Parameter out;
+    out.name = name_;
+    out.value = value_.to_value_msg();
+    return out;
+  }
+  rcl_interfaces::msg::ParameterValue get_value_message() const { return value_.to_value_msg(); }
+  bool operator==(const Parameter& other) const { return name_ == other.name_ && value_ == other.value_; }
+  bool operator!=(const Parameter& other) const { return !(*this == other); }
 
  private:
   std::string name_;

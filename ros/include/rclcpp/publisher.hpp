@@ -42,6 +42,12 @@ class PublisherBase {
     if (speaker_->port) polyarm_ros::send_on(*speaker_->port, message);
   }
 
+  void hand_on_bytes(const std::string& type, const polyarm_ros::Payload& payload) const {
+    speaker_->on->send_bytes(type, payload);
+    if (speaker_->port)
+      polyarm_ros::fill_on(*speaker_->port, [&](polyarm_ros::Payload& out) { out = payload; });
+  }
+
  private:
   std::shared_ptr<polyarm_ros::Speaker> speaker_;
 };

@@ -21,13 +21,30 @@ struct rmw_request_id_t {
   long long sequence_number;
 };
 
+enum rcl_service_introspection_state_e {
+  RCL_SERVICE_INTROSPECTION_OFF,
+  RCL_SERVICE_INTROSPECTION_METADATA,
+  RCL_SERVICE_INTROSPECTION_CONTENTS
+};
+using rcl_service_introspection_state_t = rcl_service_introspection_state_e;
+
 namespace rclcpp {
+
+/// Polyarm publishes no events of services: if they are asked for, the log says so.
+inline void report_introspection(const std::string& service, rcl_service_introspection_state_t state) {
+  if (state != RCL_SERVICE_INTROSPECTION_OFF)
+    polyarm_ros::report_unavailable(service, "topic of events", service + "/_service_event");
+}
 
 class ServiceBase : public polyarm_ros::Callee {
  public:
   RCLCPP_SMART_PTR_DEFINITIONS(ServiceBase)
   ServiceBase(std::string name, polyarm_ros::Port port) : port_(std::move(port)), name_(std::move(name)) {}
   const char* get_service_name() const { return name_.c_str(); }
+  template <typename Clock>
+  void configure_introspection(const Clock&, const QoS&, rcl_service_introspection_state_t state) const {
+    report_introspection(name_, state);
+  }
   std::string title() const override { return name_; }
 
  protected:

@@ -1,8 +1,11 @@
 #pragma once
-/// A robot description as controllers read it: links with masses, joints, their types, limits, axes and
-/// origins. Shapes are not read.
+/// A robot description as controllers read it: links with masses and shapes, joints, their types, limits,
+/// axes and origins. Materials are not read.
+#include <algorithm>
 #include <cmath>
 #include <cstdlib>
+#include <fstream>
+#include <iterator>
 #include <map>
 #include <memory>
 #include <optional>
@@ -27,6 +30,12 @@ struct Rotation {
     r = std::atan2(2 * (w * x + y * z), 1 - 2 * (x * x + y * y));
     p = std::asin(std::fmax(-1, std::fmin(1, 2 * (w * y - z * x))));
     yaw = std::atan2(2 * (w * z + x * y), 1 - 2 * (y * y + z * z));
+  }
+  void getQuaternion(double& qx, double& qy, double& qz, double& qw) const { qx = x, qy = y, qz = z, qw = w; }
+  Vector3 operator*(const Vector3& v) const {
+    const Vector3 t{2 * (y * v.z - z * v.y), 2 * (z * v.x - x * v.z), 2 * (x * v.y - y * v.x)};
+    return {v.x + w * t.x + y * t.z - z * t.y, v.y + w * t.y + z * t.x - x * t.z,
+            v.z + w * t.z + x * t.y - y * t.x};
   }
 };
 struct Pose {
@@ -62,9 +71,46 @@ struct Inertial {
   Pose origin;
   double mass = 0, ixx = 0, ixy = 0, ixz = 0, iyy = 0, iyz = 0, izz = 0;
 };
+struct Geometry {
+  enum { SPHERE, BOX, CYLINDER, MESH, CAPSULE } type = SPHERE;
+  virtual ~Geometry() = default;
+};
+struct Sphere : Geometry {
+  double radius = 0;
+};
+struct Box : Geometry {
+  Vector3 dim;
+};
+struct Cylinder : Geometry {
+  double length = 0, radius = 0;
+};
+struct Capsule : Geometry {
+  double length = 0, radius = 0;
+};
+struct Mesh : Geometry {
+  std::string filename;
+  Vector3 scale{1, 1, 1};
+};
+using GeometrySharedPtr = std::shared_ptr<Geometry>;
+struct Visual {
+  Pose origin;
+  GeometrySharedPtr geometry;
+  std::string material_name, name;
+};
+struct Collision {
+  Pose origin;
+  GeometrySharedPtr geometry;
+  std::string name;
+};
+using VisualSharedPtr = std::shared_ptr<Visual>;
+using CollisionSharedPtr = std::shared_ptr<Collision>;
 struct Link {
   std::string name;
   std::shared_ptr<Inertial> inertial;
+  VisualSharedPtr visual;  ///< the first one
+  CollisionSharedPtr collision;
+  std::vector<VisualSharedPtr> visual_array;
+  std::vector<CollisionSharedPtr> collision_array;
   std::shared_ptr<Joint> parent_joint;
   std::vector<std::shared_ptr<Joint>> child_joints;
   std::vector<std::shared_ptr<Link>> child_links;
@@ -160,6 +206,19 @@ class ModelInterface {
     const auto found = joints_.find(name);
     return found == joints_.end() ? nullptr : found->second;
   }
+  void getLinks(std::vector<LinkSharedPtr>& out) const {
+    for (const auto& [name, link] : links_) out.push_back(link);
+  }
+  void getLink(const std::string& name, LinkSharedPtr& out) const {
+    const auto found = links_.find(name);
+    out = found == links_.end() ? nullptr : found->second;
+  }
+
+  /// False if there is no such file, or if it is no robot description.
+  bool initFile(const std::string& file) {
+    std::ifstream in(file);
+    return in && initString({std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()});
+  }
 
   /// False if the text is no robot description.
   bool initString(const std::string& xml) {
@@ -180,6 +239,7 @@ class ModelInterface {
       if (path.size() == 2 && joint) take(*tag, *joint);
       if (path.size() == 2 && link && tag->name == "inertial") link->inertial = std::make_shared<Inertial>();
       if (path.size() == 3 && link && link->inertial && path[2] == "inertial") take(*tag, *link->inertial);
+      if (link) take_shape(*tag, path, *link);
       if (!tag->empty) path.push_back(tag->name);
       if (path.size() == 1) joint = nullptr, link = nullptr;
     }
@@ -217,6 +277,49 @@ class ModelInterface {
     body.ixx = tag.number("ixx", 0), body.ixy = tag.number("ixy", 0), body.ixz = tag.number("ixz", 0);
     body.iyy = tag.number("iyy", 0), body.iyz = tag.number("iyz", 0), body.izz = tag.number("izz", 0);
   }
+  template <class Part>
+  static void take_shape(const detail::Tag& tag, const std::vector<std::string>& path,
+                         std::vector<std::shared_ptr<Part>>& all, std::shared_ptr<Part>& first) {
+    if (path.size() == 2) {
+      all.push_back(std::make_shared<Part>());
+      all.back()->name = tag.text("name");
+      first = all.front();
+    } else if (path.size() == 3 && tag.name == "origin") {
+      all.back()->origin = pose(tag);
+    } else if (path.size() == 4 && path[3] == "geometry") {
+      all.back()->geometry = geometry(tag);
+    }
+  }
+  static void take_shape(const detail::Tag& tag, const std::vector<std::string>& path, Link& link) {
+    const std::string& part = path.size() == 2 ? tag.name : path.size() > 2 ? path[2] : link.name;
+    if (path.size() < 2) return;
+    if (part == "visual") take_shape(tag, path, link.visual_array, link.visual);
+    if (part == "collision") take_shape(tag, path, link.collision_array, link.collision);
+  }
+  static GeometrySharedPtr geometry(const detail::Tag& tag) {
+    const auto round = [&](auto made, auto type) -> GeometrySharedPtr {
+      made->type = type;
+      made->radius = tag.number("radius", 0);
+      if constexpr (!std::is_same_v<decltype(made), std::shared_ptr<Sphere>>)
+        made->length = tag.number("length", 0);
+      return made;
+    };
+    if (tag.name == "sphere") return round(std::make_shared<Sphere>(), Geometry::SPHERE);
+    if (tag.name == "cylinder") return round(std::make_shared<Cylinder>(), Geometry::CYLINDER);
+    if (tag.name == "capsule") return round(std::make_shared<Capsule>(), Geometry::CAPSULE);
+    if (tag.name == "box") {
+      const auto made = std::make_shared<Box>();
+      made->type = Geometry::BOX;
+      made->dim = tag.vector("size", {});
+      return made;
+    }
+    if (tag.name != "mesh") return nullptr;
+    const auto made = std::make_shared<Mesh>();
+    made->type = Geometry::MESH;
+    made->filename = tag.text("filename");
+    made->scale = tag.vector("scale", made->scale);
+    return made;
+  }
   static void take(const detail::Tag& tag, Joint& joint) {
     if (tag.name == "parent") joint.parent_link_name = tag.text("link");
     if (tag.name == "child") joint.child_link_name = tag.text("link");
@@ -252,6 +355,18 @@ class ModelInterface {
   }
 };
 using ModelInterfaceSharedPtr = std::shared_ptr<ModelInterface>;
+using ModelInterfaceConstSharedPtr = std::shared_ptr<const ModelInterface>;
 class Model : public ModelInterface {};
+using ModelSharedPtr = std::shared_ptr<Model>;
+
+/// Null if the text is no robot description.
+inline ModelInterfaceSharedPtr parseURDF(const std::string& xml) {
+  auto out = std::make_shared<ModelInterface>();
+  return out->initString(xml) ? out : nullptr;
+}
+inline ModelInterfaceSharedPtr parseURDFFile(const std::string& file) {
+  auto out = std::make_shared<ModelInterface>();
+  return out->initFile(file) ? out : nullptr;
+}
 
 }  // namespace urdf

@@ -1,0 +1,2 @@
+#pragma once
+#include "realtime_tools/realtime_clock.hpp"
