@@ -1,11 +1,12 @@
 #pragma once
-/// What Polyarm knows of a robot as a robot description: links with masses, joints with origins, axes and limits.
-/// Shapes and meshes are left out. And limits of joints as structs.
+/// What Polyarm knows of a robot as a robot description: links with masses and shapes, joints with origins,
+/// axes and limits. And limits of joints as structs.
 #include <cmath>
 #include <map>
 #include <sstream>
 #include <string>
 #include <unordered_map>
+#include <vector>
 
 #include "joint_limits/joint_limits.hpp"
 #include "polyarm/controllers/controller.hpp"
@@ -28,6 +29,44 @@ inline void write_origin(std::ostream& out, const polyarm::Pose& pose) {
       << " " << std::atan2(2 * (q.w * q.z + q.x * q.y), 1 - 2 * (q.y * q.y + q.z * q.z)) << "\"/>";
 }
 
+inline void write_geometry(std::ostream& out, const polyarm::description::Shape& shape) {
+  using polyarm::description::ShapeKind;
+  const auto three = [&](const polyarm::Vec3& v) { out << v.x << " " << v.y << " " << v.z; };
+  const auto round = [&](const char* name) {
+    out << "<" << name << " radius=\"" << shape.radius << "\"";
+    if (shape.kind != ShapeKind::sphere) out << " length=\"" << shape.length << "\"";
+    out << "/>";
+  };
+  out << "<geometry>";
+  switch (shape.kind) {
+    case ShapeKind::box:
+      out << "<box size=\"", three(shape.size), out << "\"/>";
+      break;
+    case ShapeKind::cylinder:
+      round("cylinder");
+      break;
+    case ShapeKind::sphere:
+      round("sphere");
+      break;
+    case ShapeKind::capsule:
+      round("capsule");
+      break;
+    case ShapeKind::mesh:
+      out << "<mesh filename=\"" << xml_text(shape.mesh) << "\" scale=\"", three(shape.scale), out << "\"/>";
+  }
+  out << "</geometry>";
+}
+
+inline void write_shapes(std::ostream& out, const char* part,
+                         const std::vector<polyarm::description::Shape>& shapes) {
+  for (const polyarm::description::Shape& shape : shapes) {
+    out << "<" << part << ">";
+    write_origin(out, shape.pose);
+    write_geometry(out, shape);
+    out << "</" << part << ">";
+  }
+}
+
 inline void write_link(std::ostream& out, const polyarm::description::Link& link) {
   out << "<link name=\"" << xml_text(link.name) << "\">";
   if (link.inertial) {
@@ -38,6 +77,8 @@ inline void write_link(std::ostream& out, const polyarm::description::Link& link
     for (std::size_t i = 0; i < 6; ++i) out << " " << names[i] << "=\"" << body.inertia[i] << "\"";
     out << "/></inertial>";
   }
+  write_shapes(out, "visual", link.visuals);
+  write_shapes(out, "collision", link.collisions);
   out << "</link>";
 }
 
