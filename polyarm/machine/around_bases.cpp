@@ -37,12 +37,14 @@ moves::BaseSurroundings::Search base_search(std::shared_ptr<SharedBodies> bodies
   return [bodies = std::move(bodies), moment = std::move(moment), goal = std::move(goal)] {
     const std::shared_ptr<const ContactBodies> made = bodies->get();
     const Vec3 at = goal.goal.position, ahead = goal.goal.rotation * Vec3{1, 0, 0};
-    const surroundings::BaseWay way = surroundings::find_base_way(made->robots, made->scene, moment,
-                                                                  {goal.robot,
-                                                                   goal.T_root_base,
-                                                                   {at.x, at.y, std::atan2(ahead.y, ahead.x)},
-                                                                   goal.options.clearance,
-                                                                   goal.options.stop});
+    surroundings::BaseWayQuery query;
+    query.robot = goal.robot;
+    query.T_root_base = goal.T_root_base;
+    query.goal = {at.x, at.y, std::atan2(ahead.y, ahead.x)};
+    query.clearance = goal.options.clearance;
+    query.stop = goal.options.stop;
+    const surroundings::BaseWay way =
+        surroundings::find_base_way(made->robots, made->scene, moment, query);
     if (way.outcome != surroundings::BaseWayOutcome::found) refuse(way, at);
     std::vector<moves::BaseLeg> out;
     for (const surroundings::BaseLeg& leg : way.legs)

@@ -9,69 +9,27 @@
 #include <queue>
 #include <utility>
 
-#include "polyarm/collision/separation.hpp"
-#include "polyarm/surroundings/sweep_bodies.hpp"
+#include "polyarm/surroundings/base_ground.hpp"
+#include "polyarm/surroundings/steered_ways.hpp"
 
 namespace polyarm::surroundings {
-
-using collision::ConvexBody;
 
 namespace {
 
 constexpr double kPi = std::numbers::pi;
-/// Bodies that end this far above the lowest point of the base are ground that it drives on, m.
-constexpr double kGround = 5e-3;
-/// A part this near to the base lies on it, m.
-constexpr double kLiesOn = 2e-3;
 /// Of the distance that start or goal leave, so much is kept.
 constexpr double kRoom = 0.8;
 /// A way is searched with so much more clearance first, m: guards stop a base that comes near to something
 /// fast.
 constexpr std::array kMore{0.05, 0.02};
-/// Partial turns are checked in steps of this angle.
-constexpr double kTurnStep = 10 * kPi / 180;
-/// A turn beyond this may be done by either side, because the base is not exactly where it should be.
-constexpr double kEitherSide = 170 * kPi / 180;
-/// What turns less, or drives less, does not move.
-constexpr double kSameHeading = 1e-6, kSamePlace = 1e-4;
 /// Costs in metres: of a turn by 1 rad, and of a metre backwards.
 constexpr double kTurnCost = 0.3, kBackwardsCost = 2;
 constexpr int kDirections = 16;  ///< of places around an obstacle
 constexpr std::size_t kMostCorners = 700, kSeries = 250;
-constexpr std::size_t kMostChecks = 40'000;       ///< of edges in one search
+constexpr std::size_t kMostChecks = 40'000;  ///< of edges in one search
+/// Places from which one search of a base that steers goes on: with the least clearance, and with more.
+constexpr std::size_t kMostSteered = 8'000, kMostSteeredWide = 1'500;
 constexpr double kFarthestAxis = 4, kAround = 2;  ///< m: places on the axes; the region beyond start and goal
-
-double wrapped(double angle) {
-  return std::remainder(angle, 2 * kPi);
-}
-
-Pose pose_of(const BasePlace& place) {
-  return {{place.x, place.y, 0}, from_rpy(0, 0, place.heading)};
-}
-
-double heading_of(const Pose& pose) {
-  const Vec3 ahead = pose.rotation * Vec3{1, 0, 0};
-  return std::atan2(ahead.y, ahead.x);
-}
-
-ConvexBody hull_of(ConvexBody a, const ConvexBody& b) {
-  a.points.insert(a.points.end(), b.points.begin(), b.points.end());
-  return a;
-}
-
-/// A body of the base, in its frame on the plane z = 0 of the world.
-struct Own {
-  ConvexBody body;  ///< without discs
-  std::string name;
-  double low = 0, high = 0;  ///< along z
-  double farthest = 0;       ///< of its points from the axis about which the base turns
-};
-
-struct Other {
-  ConvexBody body;  ///< in the world
-  std::string name;
-  double low = 0, high = 0;
-};
 
 /// Halton's series: numbers that fill 0 to 1 evenly.
 double halton(std::size_t index, std::size_t base) {
@@ -82,217 +40,6 @@ double halton(std::size_t index, std::size_t base) {
   }
   return out;
 }
-
-/// The bodies of the cell, sorted into those that the base takes along and those that are in its way.
-class Ground : private SweepBodies {
- public:
-  Ground(const std::vector<Robot>& robots, const description::Scene& scene, const Moment& moment,
-         const BaseWayQuery& query)
-      : SweepBodies(robots, scene), moment_(moment), query_(query) {
-    const Pose base = moment.robots[query.robot].base * query.T_root_base;
-    start_ = {base.position.x, base.position.y, heading_of(base)};
-    frames_.resize(robots_.size());
-    for (std::size_t r = 0; r < robots_.size(); ++r) {
-      frames_[r].resize(models_[r]->frames().size());
-      models_[r]->place(moment.robots[r].joints, frames_[r]);
-    }
-    for (const SweptBody& body : bodies_)
-      if (is_own(body)) add_own(body);
-    for (const Own& own : own_) low_ = std::min(low_, own.low);
-    add_loads();
-    for (const Own& own : own_) {
-      high_ = std::max(high_, own.high);
-      farthest_ = std::max(farthest_, own.farthest);
-    }
-    for (const SweptBody& body : bodies_)
-      if (!is_own(body) && !is_load(body) && body.kind != BodyKind::floor) add_other(body);
-    std::vector<collision::Bounds> bounds;
-    for (const Other& other : others_) bounds.push_back(collision::bounds_of(other.body));
-    if (!bounds.empty()) tree_ = collision::BoxTree(bounds);
-  }
-
-  const BasePlace& start() const { return start_; }
-  const std::vector<Other>& others() const { return others_; }
-  double farthest() const { return farthest_; }
-  double farthest_beside(const Other& other) const {
-    double out = 0;
-    for (const Own& own : own_)
-      if (own.low < other.high + clearance_ && own.high > other.low - clearance_)
-        out = std::max(out, own.farthest);
-    return out;
-  }
-  void keep(double clearance) { clearance_ = clearance; }
-  double clearance() const { return clearance_; }
-
-  /// What is nearest to the base at a place, as far as it is nearer than `within`.
-  struct Nearest {
-    double distance = std::numeric_limits<double>::infinity();
-    std::string mine, other;
-  };
-  Nearest nearest(const BasePlace& place, double within) const {
-    Nearest out;
-    for (const Own& own : own_)
-      each_near(moved(pose_of(place), own.body), within, [&](const Other& other, double distance) {
-        if (distance < out.distance) out = {distance, own.name, other.name};
-        return false;
-      });
-    return out;
-  }
-
-  bool line_is_free(const BasePlace& from, const BasePlace& to) const {
-    return std::all_of(own_.begin(), own_.end(), [&](const Own& own) {
-      return is_free(hull_of(moved(pose_of(from), own.body), moved(pose_of(to), own.body)));
-    });
-  }
-
-  /// By a whole turn.
-  bool turns_freely(double x, double y) const {
-    return std::all_of(own_.begin(), own_.end(), [&](const Own& own) {
-      ConvexBody swept;
-      swept.points = {{x, y, own.low}, {x, y, own.high}};
-      swept.disc = own.farthest;
-      return is_free(swept);
-    });
-  }
-
-  bool turn_is_free(const BasePlace& at, double heading) const {
-    const double turn = wrapped(heading - at.heading);
-    if (std::abs(turn) < kSameHeading || turns_freely(at.x, at.y)) return true;
-    if (std::abs(turn) > kEitherSide) return false;
-    const int steps = static_cast<int>(std::ceil(std::abs(turn) / kTurnStep));
-    const double step = turn / steps;
-    for (int k = 0; k < steps; ++k) {
-      const Pose from = pose_of({at.x, at.y, at.heading + k * step});
-      const Pose to = pose_of({at.x, at.y, at.heading + (k + 1) * step});
-      for (const Own& own : own_) {
-        ConvexBody swept = hull_of(moved(from, own.body), moved(to, own.body));
-        swept.radius += own.farthest * (1 - std::cos(step / 2));  // points go along arcs
-        if (!is_free(swept)) return false;
-      }
-    }
-    return true;
-  }
-
- private:
-  /// The robot and those on it.
-  bool is_carried(int robot) const {
-    for (std::size_t steps = 0; robot >= 0 && steps <= robots_.size(); ++steps) {
-      if (robot == static_cast<int>(query_.robot)) return true;
-      robot = robots_[static_cast<std::size_t>(robot)].on;
-    }
-    return false;
-  }
-
-  bool is_own(const SweptBody& body) const {
-    if (body.part < 0) return body.robot >= 0 && is_carried(body.robot);
-    const auto part = static_cast<std::size_t>(body.part);
-    return part < moment_.parts.size() && moment_.parts[part].in_world && moment_.parts[part].held_by >= 0 &&
-           is_carried(moment_.parts[part].held_by);
-  }
-
-  /// Empty: it is not in the world.
-  std::optional<Pose> place_of(const SweptBody& body) const {
-    if (body.part >= 0) {
-      const auto part = static_cast<std::size_t>(body.part);
-      if (part >= moment_.parts.size() || !moment_.parts[part].in_world) return std::nullopt;
-      return moment_.parts[part].pose;
-    }
-    if (body.fixture >= 0)
-      return surroundings::pose_of(scene_.fixtures[static_cast<std::size_t>(body.fixture)], scene_, moment_);
-    const auto robot = static_cast<std::size_t>(body.robot);
-    const Pose& base = moment_.robots[robot].base;
-    return body.frame < 0 ? base : base * frames_[robot][static_cast<std::size_t>(body.frame)];
-  }
-
-  static double top(const ConvexBody& body) { return body.core_support({0, 0, 1}).z + body.radius; }
-  static double bottom(const ConvexBody& body) { return body.core_support({0, 0, -1}).z - body.radius; }
-
-  void add_own(const SweptBody& body) {
-    const std::optional<Pose> place = place_of(body);
-    if (!place) return;
-    const Pose T_plane = inverse(pose_of(start_)) * *place;
-    for (const ConvexBody& piece : body.pieces) {
-      Own own{without_discs(moved(T_plane, piece)), body.name};
-      own.low = bottom(own.body), own.high = top(own.body);
-      for (const Vec3& point : own.body.points)
-        own.farthest = std::max(own.farthest, std::hypot(point.x, point.y) + own.body.radius);
-      own_.push_back(std::move(own));
-    }
-  }
-
-  bool is_load(const SweptBody& body) const {
-    return body.part >= 0 && static_cast<std::size_t>(body.part) < is_load_.size() &&
-           is_load_[static_cast<std::size_t>(body.part)] != 0;
-  }
-
-  /// Parts that nobody holds and that lie on the base, or on each other there.
-  void add_loads() {
-    is_load_.assign(moment_.parts.size(), 0);
-    for (bool more = true; std::exchange(more, false);)
-      for (const SweptBody& body : bodies_) {
-        if (body.part < 0 || is_load(body)) continue;
-        const std::optional<Pose> place = place_of(body);
-        const auto part = static_cast<std::size_t>(body.part);
-        if (!place || moment_.parts[part].held_by >= 0 || !lies_on_base(body, *place)) continue;
-        is_load_[part] = 1;
-        add_own(body);
-        more = true;
-      }
-  }
-
-  void add_other(const SweptBody& body) {
-    const std::optional<Pose> place = place_of(body);
-    if (!place) return;
-    for (const ConvexBody& piece : body.pieces) {
-      Other other{moved(*place, piece), body.name};
-      other.low = bottom(other.body), other.high = top(other.body);
-      if (other.high > low_ + kGround && other.low < high_ + query_.clearance)
-        others_.push_back(std::move(other));
-    }
-  }
-
-  /// What stands on the ground beside the base does not lie on it.
-  bool lies_on_base(const SweptBody& part, const Pose& place) const {
-    for (const ConvexBody& piece : part.pieces)
-      if (bottom(moved(place, piece)) <= low_ + kGround) return false;
-    const Pose T_world_plane = pose_of(start_);
-    for (const ConvexBody& piece : part.pieces)
-      for (const Own& own : own_)
-        if (separation(own.body, inverse(place) * T_world_plane, piece).distance < kLiesOn) return true;
-    return false;
-  }
-
-  /// Calls take(other, distance) until it returns true.
-  template <typename Take>
-  bool each_near(const ConvexBody& swept, double within, const Take& take) const {
-    if (tree_.empty()) return false;
-    const collision::Ball ball = collision::bounding_ball(swept);
-    bool done = false;
-    tree_.each_near(
-        ball.center, [&] { return done ? -1 : ball.radius + within; },
-        [&](std::size_t k) {
-          if (done) return;
-          const double distance = separation(swept, Pose{}, others_[k].body).distance;
-          if (distance < within) done = take(others_[k], distance);
-        });
-    return done;
-  }
-
-  bool is_free(const ConvexBody& swept) const {
-    return !each_near(swept, clearance_, [](const Other&, double) { return true; });
-  }
-
-  const Moment& moment_;
-  const BaseWayQuery& query_;
-  BasePlace start_;
-  std::vector<std::vector<Pose>> frames_;
-  std::vector<Own> own_;
-  std::vector<char> is_load_;  // by part
-  std::vector<Other> others_;
-  collision::BoxTree tree_;
-  double low_ = std::numeric_limits<double>::infinity(), high_ = -low_, farthest_ = 0;
-  double clearance_ = 0;
-};
 
 /// The search itself. Node 0 is the start, node 1 the goal.
 class Search {
@@ -380,7 +127,7 @@ class Search {
     std::size_t count = 0;
     for (const auto& [distance, k] : nearest) {
       if (count >= kMostCorners) return;
-      const Other& other = ground_.others()[k];
+      const OtherBody& other = ground_.others()[k];
       const double away = round * (ground_.farthest_beside(other) + ground_.clearance() + 1e-3);
       for (int side = 0; side < kDirections; ++side, ++count) {
         const double angle = 2 * kPi * side / kDirections;
@@ -442,14 +189,15 @@ class Search {
     BasePlace at = ground_.start();
     const auto turn = [&](double heading) {
       if (std::abs(wrapped(heading - at.heading)) < kSameHeading) return;
-      out.legs.push_back({at, {at.x, at.y, heading}});
+      out.legs.push_back({at, {at.x, at.y, heading}, false, 0, 0});
       at.heading = heading;
     };
     for (auto k = path.rbegin(); k != path.rend(); ++k) {
       const Node& node = nodes_[*k];
-      if (std::hypot(node.x - at.x, node.y - at.y) < kSamePlace) continue;
+      const double length = std::hypot(node.x - at.x, node.y - at.y);
+      if (length < kSamePlace) continue;
       turn(node.arrival);
-      out.legs.push_back({at, {node.x, node.y, node.arrival}, node.backwards});
+      out.legs.push_back({at, {node.x, node.y, node.arrival}, node.backwards, 0, length});
       at = {node.x, node.y, node.arrival};
     }
     turn(query_.goal.heading);
@@ -461,6 +209,11 @@ class Search {
   std::vector<Node> nodes_;
   std::priority_queue<Entry> open_;
 };
+
+BaseWay search(const Ground& ground, const BaseWayQuery& query, std::size_t most_steered) {
+  if (std::isfinite(query.sharpest)) return find_steered_way(ground, query, most_steered);
+  return Search(ground, query).run();
+}
 
 }  // namespace
 
@@ -478,12 +231,13 @@ BaseWay find_base_way(const std::vector<Robot>& robots, const description::Scene
   }
   for (const double more : kMore) {
     const double wider = std::min(query.clearance + more, kRoom * room);
-    if (wider <= least) continue;
+    if (wider <= least || (std::isfinite(query.sharpest) && more != kMore.front())) continue;
     ground.keep(wider);
-    if (BaseWay way = Search(ground, query).run(); way.outcome == BaseWayOutcome::found) return way;
+    BaseWay way = search(ground, query, kMostSteeredWide);
+    if (way.outcome == BaseWayOutcome::found || (query.stop && query.stop())) return way;
   }
   ground.keep(least);
-  return Search(ground, query).run();
+  return search(ground, query, kMostSteered);
 }
 
 }  // namespace polyarm::surroundings

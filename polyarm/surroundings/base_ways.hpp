@@ -1,7 +1,9 @@
 #pragma once
-/// Ways of a wheeled base to a place, past everything else in a cell: turns on the spot and straight lines.
-/// Metres, radians; places in the world, whose z axis is up. Any thread; allocates.
+/// Ways of a wheeled base to a place, past everything else in a cell: turns on the spot and straight lines,
+/// or arcs and straight lines of a base that steers. Metres, radians; places in the world, whose z axis is
+/// up. Any thread; allocates.
 #include <functional>
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -14,11 +16,13 @@ struct BasePlace {
   double x = 0, y = 0, heading = 0;
 };
 
-/// A turn on the spot, by the shorter side, if both places have the same position; else a straight line with
-/// one heading.
+/// A turn on the spot, by the shorter side, if both places have the same position; else an arc, or a straight
+/// line with one heading.
 struct BaseLeg {
   BasePlace from, to;
   bool backwards = false;
+  double curvature = 0;  ///< of an arc: 1/m, positive to the left; 0 otherwise
+  double length = 0;     ///< m, of an arc or a line; 0 for a turn
 };
 
 struct BaseWayQuery {
@@ -27,6 +31,8 @@ struct BaseWayQuery {
   BasePlace goal;
   double clearance = 0;        ///< from everything; less if start or goal have less, and up to 50 mm more where
                                ///< there is room
+  /// Largest curvature of its ways, 1/m; infinite: it turns on the spot.
+  double sharpest = std::numeric_limits<double>::infinity();
   std::function<bool()> stop;  ///< true ends the search; null: it ends after a number of tries alone
 };
 
@@ -46,7 +52,7 @@ struct BaseWay {
 /// The search is an A* over the start, the goal, places on the axes of both, places around the corners of
 /// obstacles, and a fixed series of others; edges are checked when they are reached. So it finds the same way
 /// each time, and a short one. It finds no way that needs a turn where the base has no room to turn, except
-/// at the start and the goal. Throws as SweepBodies does.
+/// at the start and the goal. Ways of bases that steer: steered_ways.hpp. Throws as SweepBodies does.
 BaseWay find_base_way(const std::vector<Robot>& robots, const description::Scene& scene, const Moment& moment,
                       const BaseWayQuery& query);
 

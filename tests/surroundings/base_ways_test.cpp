@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <limits>
 #include <numbers>
 
@@ -17,6 +18,15 @@ namespace {
 
 using kinematics::Random;
 constexpr double kPi = std::numbers::pi, kClearance = 0.01;
+
+/// After driving by `length` along an arc.
+BasePlace rolled(const BasePlace& from, double curvature, double length) {
+  // The chord of the arc, which points to the middle of its turn.
+  const double turn = curvature * length / 2;
+  const double chord = turn == 0 ? length : length * std::sin(turn) / turn;
+  return {from.x + chord * std::cos(from.heading + turn), from.y + chord * std::sin(from.heading + turn),
+          from.heading + 2 * turn};
+}
 
 /// 0.6 m long and 0.4 m wide; it turns about a point 0.1 m behind its middle, 0.1 m above the floor.
 description::RobotModel cart() {
@@ -45,10 +55,14 @@ struct Site {
     moment.robots.front().base = {{x, y, 0}, from_rpy(0, 0, heading)};
   }
   std::vector<Robot> robots() const { return {{"cart", &model, nullptr, -1, true, {}}}; }
+  double sharpest = std::numeric_limits<double>::infinity();
+  std::function<bool()> stop;
   BaseWay way(const BasePlace& goal) const {
     BaseWayQuery query;
     query.goal = goal;
     query.clearance = kClearance;
+    query.sharpest = sharpest;
+    query.stop = stop;
     return find_base_way(robots(), scene, moment, query);
   }
   /// The smallest distance of the cart from all fixtures.
@@ -71,19 +85,20 @@ struct Site {
       EXPECT_NEAR(leg.from.x, at.x, 1e-9);
       EXPECT_NEAR(leg.from.y, at.y, 1e-9);
       EXPECT_NEAR(std::remainder(leg.from.heading - at.heading, 2 * kPi), 0, 1e-9);
-      const double length = std::hypot(leg.to.x - at.x, leg.to.y - at.y);
       const double turn = std::remainder(leg.to.heading - at.heading, 2 * kPi);
-      EXPECT_TRUE(length == 0 || std::abs(turn) < 1e-9) << "a leg turns or drives";
-      if (length > 0) {
-        const double along = std::atan2(leg.to.y - at.y, leg.to.x - at.x) + (leg.backwards ? kPi : 0);
-        EXPECT_NEAR(std::remainder(along - at.heading, 2 * kPi), 0, 1e-6) << "along its heading";
-      }
-      const int steps = 2 + static_cast<int>(std::max(length / 0.005, std::abs(turn) / 0.01));
+      EXPECT_LE(std::abs(leg.curvature), sharpest + 1e-9);
+      EXPECT_TRUE(leg.curvature != 0 || leg.length == 0 || std::abs(turn) < 1e-9) << "a leg turns or drives";
+      const int steps = 2 + static_cast<int>(std::max(leg.length / 0.005, std::abs(turn) / 0.01));
+      BasePlace here = at;
       for (int k = 0; k <= steps; ++k) {
-        const double s = static_cast<double>(k) / steps;
-        out = std::min(
-            out, room({at.x + s * (leg.to.x - at.x), at.y + s * (leg.to.y - at.y), at.heading + s * turn}));
+        here = leg.length == 0
+                   ? BasePlace{at.x, at.y, at.heading + turn * k / steps}
+                   : rolled(at, leg.curvature, (leg.backwards ? -leg.length : leg.length) * k / steps);
+        out = std::min(out, room(here));
       }
+      EXPECT_NEAR(here.x, leg.to.x, 1e-6) << "along its heading";
+      EXPECT_NEAR(here.y, leg.to.y, 1e-6);
+      EXPECT_NEAR(std::remainder(here.heading - leg.to.heading, 2 * kPi), 0, 1e-6);
       at = leg.to;
     }
     EXPECT_NEAR(at.x, goal.x, 1e-3);
@@ -95,8 +110,17 @@ struct Site {
 
 double length_of(const BaseWay& way) {
   double out = 0;
-  for (const BaseLeg& leg : way.legs) out += std::hypot(leg.to.x - leg.from.x, leg.to.y - leg.from.y);
+  for (const BaseLeg& leg : way.legs) out += leg.length;
   return out;
+}
+
+/// A random site with 12 blocks between the place of the cart and the goal, which is returned.
+BasePlace scatter(Site& site, Random& random) {
+  for (int k = 0; k < 12; ++k)
+    site.wall("w" + std::to_string(k), {random.between(0.1, 1.2), random.between(0.1, 0.4), 1},
+              {random.between(-1, 5), random.between(-3, 3), 0.5}, random.between(0, kPi));
+  site.stand(-1.5, random.between(-2, 2), random.between(-kPi, kPi));
+  return {random.between(4, 5.5), random.between(-2, 2), random.between(-kPi, kPi)};
 }
 
 TEST(BaseWays, WithoutObstaclesItTurnsDrivesAndTurns) {
@@ -242,11 +266,7 @@ TEST(BaseWays, AmongRandomObstaclesEveryWayIsFreeAndTheSameAgain) {
   int found = 0, around = 0;
   for (int w = 0; w < 16; ++w) {
     Site site;
-    for (int k = 0; k < 12; ++k)
-      site.wall("w" + std::to_string(k), {random.between(0.1, 1.2), random.between(0.1, 0.4), 1},
-                {random.between(-1, 5), random.between(-3, 3), 0.5}, random.between(0, kPi));
-    site.stand(-1.5, random.between(-2, 2), random.between(-kPi, kPi));
-    const BasePlace goal{random.between(4, 5.5), random.between(-2, 2), random.between(-kPi, kPi)};
+    const BasePlace goal = scatter(site, random);
     const BaseWay way = site.way(goal);
     if (way.outcome != BaseWayOutcome::found) continue;
     ++found;
@@ -262,6 +282,99 @@ TEST(BaseWays, AmongRandomObstaclesEveryWayIsFreeAndTheSameAgain) {
   }
   EXPECT_GT(found, 10);
   EXPECT_GT(around, 4);
+}
+
+TEST(BaseWays, AStoppedSearchEnds) {
+  for (const double sharpest : {std::numeric_limits<double>::infinity(), 2.0}) {
+    Site site;
+    site.sharpest = sharpest;
+    site.wall("wall", {0.1, 3, 1}, {1.5, 0, 0.5});
+    int asked = 0;
+    site.stop = [&] { return ++asked > 3; };
+    EXPECT_EQ(site.way({3, 0, 0}).outcome, BaseWayOutcome::out_of_time);
+    EXPECT_LT(asked, 10);
+  }
+}
+
+// ---- bases that steer
+
+TEST(SteeredWays, WithoutObstaclesTheWayIsAShortestOne) {
+  Site site;
+  site.sharpest = 1;
+  EXPECT_EQ(site.way({2, 0, 0}).legs.size(), 1u);
+  const BaseWay back = site.way({-0.5, 0, 0});
+  ASSERT_EQ(back.legs.size(), 1u);
+  EXPECT_TRUE(back.legs.front().backwards);
+  const BasePlace goal{3, 1, kPi / 2};
+  const BaseWay way = site.way(goal);
+  ASSERT_EQ(way.outcome, BaseWayOutcome::found);
+  site.room(way, goal);
+  EXPECT_NEAR(length_of(way), 2 + kPi / 2, 1e-6) << "straight, and a quarter turn";
+  EXPECT_TRUE(site.way({0, 0, 0}).legs.empty()) << "it is there";
+}
+
+TEST(SteeredWays, ItBacksIntoABayAndComesOutAgain) {
+  Site site;
+  site.sharpest = 1;
+  site.wall("left", {1, 0.1, 1}, {3, 0.29, 0.5});
+  site.wall("right", {1, 0.1, 1}, {3, -0.29, 0.5});
+  site.wall("end", {0.1, 1, 1}, {3.6, 0, 0.5});
+  site.stand(1, 2, 0);
+  const BasePlace goal{3.2, 0, kPi};
+  const BaseWay in = site.way(goal);
+  ASSERT_EQ(in.outcome, BaseWayOutcome::found);
+  EXPECT_GE(site.room(in, goal), kClearance - 1e-6);
+  EXPECT_TRUE(in.legs.back().backwards);
+  site.stand(goal.x, goal.y, goal.heading);
+  const BasePlace back{1, 2, kPi};
+  const BaseWay out = site.way(back);
+  ASSERT_EQ(out.outcome, BaseWayOutcome::found);
+  EXPECT_GE(site.room(out, back), kClearance - 1e-6);
+}
+
+TEST(SteeredWays, ItTurnsRoundBetweenWallsThatAreNearerThanItsCircle) {
+  Site site;
+  site.sharpest = 1;
+  for (const double side : {-1.0, 1.0}) site.wall("along", {8, 0.1, 1}, {0, side * 0.85, 0.5});
+  const BasePlace goal{0, 0, kPi};
+  const BaseWay way = site.way(goal);
+  ASSERT_EQ(way.outcome, BaseWayOutcome::found);
+  EXPECT_GE(site.room(way, goal), kClearance - 1e-6);
+  EXPECT_GT(way.legs.size(), 3u);
+}
+
+TEST(SteeredWays, WithoutAWayItSaysSo) {
+  Site site;
+  site.sharpest = 1;
+  for (const double side : {-1.0, 1.0}) {
+    site.wall("across", {0.1, 4, 1}, {side * 1.5, 0, 0.5});
+    site.wall("along", {3, 0.1, 1}, {0, side * 1.5, 0.5});
+  }
+  EXPECT_EQ(site.way({3, 0, 0}).outcome, BaseWayOutcome::no_way);
+}
+
+TEST(SteeredWays, AmongRandomObstaclesNoWayHitsNorIsTooSharpAndEachIsTheSameAgain) {
+  Random random(11);
+  int found = 0, around = 0;
+  for (int w = 0; w < 12; ++w) {
+    Site site;
+    site.sharpest = random.between(0.5, 2);
+    const BasePlace goal = scatter(site, random);
+    const BaseWay way = site.way(goal);
+    if (way.outcome != BaseWayOutcome::found) continue;
+    ++found;
+    around += way.legs.size() > 5;
+    const double room = site.room(way, goal);
+    EXPECT_GT(room, 0) << w;
+    EXPECT_TRUE(room >= kClearance - 1e-6 || site.room(way.legs.front().from) < kClearance ||
+                site.room(goal) < kClearance)
+        << w << ": " << room;
+    const BaseWay again = site.way(goal);
+    ASSERT_EQ(again.legs.size(), way.legs.size());
+    for (std::size_t k = 0; k < way.legs.size(); ++k) EXPECT_EQ(again.legs[k].to.x, way.legs[k].to.x);
+  }
+  EXPECT_GT(found, 6);
+  EXPECT_GT(around, 2);
 }
 
 }  // namespace
