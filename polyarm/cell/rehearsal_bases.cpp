@@ -16,6 +16,13 @@ Pose Stage::root_of(std::size_t robot) const {
   return arms_[robot].base * inverse(cell_.motions->base(robot).tracked());
 }
 
+/// Where the program has brought all robots so far.
+surroundings::Moment Stage::moment() const {
+  surroundings::Moment out;
+  for (std::size_t i = 0; i < arms_.size(); ++i) out.robots.push_back({root_of(i), arms_[i].at});
+  return out;
+}
+
 /// The base then stands at the end of the drive or turn. Only the way to a pose is planned.
 void Stage::drive(const program::Move& move, const Asked& asked) {
   const std::size_t index = moves_->base_of(move, asked.where);
@@ -32,16 +39,15 @@ void Stage::drive(const program::Move& move, const Asked& asked) {
 /// Without a way the base counts as there, unless the program catches the error or something is in its place.
 void Stage::drive_to(std::size_t index, const Pose& goal, const Asked& asked) {
   Arm& base = arms_[index];
-  surroundings::Moment moment;
-  for (std::size_t i = 0; i < arms_.size(); ++i) moment.robots.push_back({root_of(i), arms_[i].at});
   AroundOptions options;
   options.clearance = cell_.setup.file.clearance;
   cell_.motions->wheels(index)->check_way();
   ++out_.moves;
   const bool from_known = start_known(base.driven, asked.where);
   try {
-    base_search(fixed_bodies(), std::move(moment),
-                {index, cell_.motions->base(index).tracked(), goal, options})();
+    base_search(fixed_bodies(), moment(),
+                {index, cell_.motions->base(index).tracked(), goal, cell_.motions->wheels(index)->sharpest(),
+                 options})({});
     base.driven.push_back({asked, true});
   } catch (const Error& e) {
     const Problem problem = e.problems().front();

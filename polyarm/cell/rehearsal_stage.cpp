@@ -349,12 +349,9 @@ void Stage::plan(Arm& arm) {
 std::shared_ptr<moves::Obstacles> Stage::obstacles(const Arm& arm, const std::vector<moves::Move>& moves) {
   if (std::none_of(moves.begin(), moves.end(), [](const moves::Move& move) { return move.around; }))
     return nullptr;
-  surroundings::Moment moment;
-  for (const Arm& each : arms_) moment.robots.push_back({each.robot->entry.base, each.at});
   AroundOptions options;
   options.clearance = cell_.setup.file.clearance;
-  return obstacles_around(fixed_bodies(), std::move(moment), static_cast<std::size_t>(&arm - arms_.data()),
-                          options);
+  return obstacles_around(fixed_bodies(), moment(), static_cast<std::size_t>(&arm - arms_.data()), options);
 }
 
 /// What a move sets on its way, by length or time, is set between its ends.

@@ -165,6 +165,7 @@ class Stage : public program::Host {
   void drive(const program::Move& move, const Asked& asked);
   void drive_to(std::size_t index, const Pose& goal, const Asked& asked);
   Pose root_of(std::size_t robot) const;
+  surroundings::Moment moment() const;
   const std::shared_ptr<SharedBodies>& fixed_bodies();
   void queue(ProgramMoves::Prepared move, const Asked& asked);
   void plan(Arm& arm);

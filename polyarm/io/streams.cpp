@@ -217,7 +217,7 @@ Streams::Streams(const std::vector<StreamEntry>& entries, May may) : may_(may) {
   for (const StreamEntry& entry : entries) entries_[entry.name].entry = entry;
 }
 
-Stream& Streams::used(const std::string& name, long long now) {
+Streams::Entry& Streams::entry_of(const std::string& name) {
   const auto at = entries_.find(name);
   if (at == entries_.end()) {
     std::vector<std::string> names;
@@ -225,16 +225,28 @@ Stream& Streams::used(const std::string& name, long long now) {
     throw Error("unknown-stream", "the cell has no stream '" + name + "'" + did_you_mean(name, names),
                 names.empty() ? "describe it in cell.yaml: streams" : "known are: " + join(names, ", "));
   }
-  const StreamEntry& entry = at->second.entry;
+  return at->second;
+}
+
+bool Streams::may_open(const StreamEntry& entry) const {
+  return may_.open && (may_.real || entry.kind != StreamEntry::Kind::device);
+}
+
+bool Streams::is_connected(const std::string& name, long long now) {
+  return may_open(entry_of(name).entry) && used(name, now).connected();
+}
+
+Stream& Streams::used(const std::string& name, long long now) {
+  auto& [entry, stream] = entry_of(name);
   if (!may_.open)
     throw Error("signal", "the stream '" + name + "' stays closed in lock-step, as links do",
                 "run the cell with --links, or without --fast");
-  if (entry.kind == StreamEntry::Kind::device && !may_.real)
+  if (!may_open(entry))
     throw Error("signal", "the stream '" + name + "' is a device, which is opened only with --real",
                 "run the cell with --real, or use connect in a test");
-  if (!at->second.stream) at->second.stream = std::make_unique<Stream>(entry);
-  at->second.stream->tick(now);
-  return *at->second.stream;
+  if (!stream) stream = std::make_unique<Stream>(entry);
+  stream->tick(now);
+  return *stream;
 }
 
 void Streams::tick(long long now) {

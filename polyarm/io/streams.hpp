@@ -71,6 +71,8 @@ class Streams {
   Streams(const std::vector<StreamEntry>& entries, May may);
   /// Throws Error if there is no such stream, or it may not be opened. `now` as for Stream::tick().
   Stream& used(const std::string& name, long long now);
+  /// False for a stream that may not be opened. Otherwise as used().
+  bool is_connected(const std::string& name, long long now);
   /// Ticks the streams in use.
   void tick(long long now);
 
@@ -79,6 +81,9 @@ class Streams {
     StreamEntry entry;
     std::unique_ptr<Stream> stream;  ///< null until a program uses it
   };
+  Entry& entry_of(const std::string& name);
+  bool may_open(const StreamEntry& entry) const;
+
   std::map<std::string, Entry> entries_;
   May may_;
 };

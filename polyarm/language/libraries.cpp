@@ -134,9 +134,9 @@ func dock_at(left, right, away = 500mm, gap = 100mm, pace = 50mm/s)
   drive away - gap, speed pace
 end
 
-# Backwards by `away`, and then to a pose around obstacles.
-func undock_to(goal, away = 500mm, pace = 100mm/s)
-  drive -away, speed pace
+# Backwards from `gap` until `away` is left, and then to a pose around obstacles.
+func undock_to(goal, away = 500mm, gap = 100mm, pace = 100mm/s)
+  drive gap - away, speed pace
   drive goal
 end
 )";

@@ -42,6 +42,7 @@ struct BaseGoal {
   std::size_t robot = 0;
   Pose T_root_base;  ///< the frame that its wheels move, in the root link
   Pose goal;         ///< T_world_base
+  double sharpest;   ///< curvature of its ways, 1/m; infinite: it turns on the spot
   AroundOptions options;
 };
 

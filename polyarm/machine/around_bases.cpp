@@ -11,7 +11,7 @@ namespace polyarm::cell {
 
 namespace {
 
-[[noreturn]] void refuse(const surroundings::BaseWay& way, const Vec3& goal) {
+[[noreturn]] void refuse(const surroundings::BaseWay& way, const Vec3& goal, bool steers) {
   const std::string to = fmt::format("no way to ({:.3f}, {:.3f}) m: ", goal.x, goal.y);
   const std::string touch = way.mine + " touches " + way.other;
   using Outcome = surroundings::BaseWayOutcome;
@@ -25,7 +25,8 @@ namespace {
     case Outcome::out_of_time:
       throw Error("out-of-time", to + "the search took too long", "drive to a pose between");
     default:
-      throw Error("no-way", to + "turns and straight lines lead nowhere with this clearance",
+      throw Error("no-way",
+                  to + (steers ? "arcs" : "turns") + " and straight lines lead nowhere with this clearance",
                   "drive to a pose between, or give the base more room to turn");
   }
 }
@@ -34,7 +35,8 @@ namespace {
 
 moves::BaseSurroundings::Search base_search(std::shared_ptr<SharedBodies> bodies, surroundings::Moment moment,
                                             BaseGoal goal) {
-  return [bodies = std::move(bodies), moment = std::move(moment), goal = std::move(goal)] {
+  return [bodies = std::move(bodies), moment = std::move(moment),
+          goal = std::move(goal)](const std::function<bool()>& dropped) {
     const std::shared_ptr<const ContactBodies> made = bodies->get();
     const Vec3 at = goal.goal.position, ahead = goal.goal.rotation * Vec3{1, 0, 0};
     surroundings::BaseWayQuery query;
@@ -42,17 +44,19 @@ moves::BaseSurroundings::Search base_search(std::shared_ptr<SharedBodies> bodies
     query.T_root_base = goal.T_root_base;
     query.goal = {at.x, at.y, std::atan2(ahead.y, ahead.x)};
     query.clearance = goal.options.clearance;
-    query.stop = goal.options.stop;
-    const surroundings::BaseWay way =
-        surroundings::find_base_way(made->robots, made->scene, moment, query);
-    if (way.outcome != surroundings::BaseWayOutcome::found) refuse(way, at);
+    query.sharpest = goal.sharpest;
+    query.stop = [&] { return (dropped && dropped()) || (goal.options.stop && goal.options.stop()); };
+    const surroundings::BaseWay way = surroundings::find_base_way(made->robots, made->scene, moment, query);
+    if (way.outcome != surroundings::BaseWayOutcome::found) refuse(way, at, std::isfinite(goal.sharpest));
     std::vector<moves::BaseLeg> out;
     for (const surroundings::BaseLeg& leg : way.legs)
-      out.push_back({leg.from.x == leg.to.x && leg.from.y == leg.to.y,
+      out.push_back({leg.length == 0,
                      {leg.from.x, leg.from.y, 0},
                      {leg.to.x, leg.to.y, 0},
                      leg.to.heading,
-                     leg.backwards});
+                     leg.backwards,
+                     leg.curvature,
+                     leg.length});
     return out;
   };
 }

@@ -224,7 +224,8 @@ void Motions::look_around(std::size_t robot, Worker& planner) {
   around.T_world_odometry = [this, robot] { return places_[robot].odometry_frame(machine_.snapshot()); };
   around.post = [&planner](std::function<void()> job) { planner.post(std::move(job)); };
   around.look = [this, robot](const Pose& goal) {
-    return base_search(bodies_, moment(), {robot, places_[robot].tracked(), goal, around_options()});
+    return base_search(bodies_, moment(),
+                       {robot, places_[robot].tracked(), goal, bases_[robot]->sharpest(), around_options()});
   };
   bases_[robot]->set_surroundings(std::move(around));
 }

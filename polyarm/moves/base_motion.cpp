@@ -22,12 +22,23 @@ constexpr double kOfPeriod = 0.1;                                // largest prod
 constexpr double kHere = 1e-3, kHereTurned = 3e-3;               // m and rad: arrived
 constexpr double kBack = 2, kSharpest = 0.5;                     // 1/m, of steered bases: curvature per rad
                                                                  // off the line, and its maximum
-constexpr double kTimeout = 3;                                  // s after the planned end before the move
+constexpr double kTimeout = 3;                                   // s after the planned end before the move
                                                                  // fails
 
 constexpr double kSideways = 3, kMostSideways = 0.3;  // 1/m, of ways: rad towards the line per
                                                       // metre beside it, and their maximum
 constexpr double kStrayed = 0.05;                     // m beside its leg: the base needs another way
+constexpr int kMostWays = 10;                         // of one move
+
+// Ways of steered bases:
+constexpr double kOfSteering = 0.85;     // of its largest curvature; the rest steers back to the way
+constexpr double kSteered = 0.03;        // of its largest curvature: it has the curvature of the leg
+constexpr double kCreep = 1e-6;          // m/s: the base stands and steers
+constexpr double kSteeringTimeout = 15;  // s: large steering joints turn slowly
+constexpr double kThere = 0.01;          // m beside the goal; farther away it looks for another way
+constexpr double kThereTurned = std::numbers::pi / 180;  // rad, the same
+constexpr double kSlowest = 0.5, kFastest = 3;           // 1/m: how fast it comes back to its way
+constexpr double kDamping = 0.9;
 
 Vec3 ahead_of(const Pose& pose) {
   return pose.rotation * Vec3{1, 0, 0};
@@ -48,8 +59,16 @@ BaseMotion::BaseMotion(controllers::BaseController& controller, double period)
       odometry_(controller.odometry_output()),
       gain_(std::min(kGain, kOfPeriod / std::max(period, 1e-6))) {}
 
+BaseMotion::~BaseMotion() {
+  drop_search();
+}
+
+double BaseMotion::sharpest() const {
+  return kOfSteering * controller_.sharpest();
+}
+
 void BaseMotion::check_way() const {
-  if (!controller_.turns_on_the_spot())
+  if (!controller_.turns_on_the_spot() && !around_.arcs)
     throw Error("bad-move", "this base steers: it has no ways to a pose, because it cannot turn on the spot",
                 "drive it by lengths, or send twists to its controller");
 }
@@ -63,20 +82,21 @@ std::uint64_t BaseMotion::start(const BaseMove& move) {
                 "drive it, or send twists to its controller");
   move_ = move;
   active_ = true;
-  planned_ = seen_ = leg_begun_ = false;
+  planned_ = seen_ = leg_begun_ = goes_on_ = false;
   late_ = unheard_ = 0;
   last_ = -1;
+  ways_ = 0;
   problem_.reset();
-  job_.reset();
+  drop_search();
   way_.reset();
-  if (!move.to) begin(move.turns, move.amount);
+  if (!move.to) begin(move.turns, move.amount, 0);
   return ++last_id_;
 }
 
-/// Sets the limits of a turn or a line.
-void BaseMotion::begin(bool turns, double amount) {
-  turns_ = turns, amount_ = amount;
-  const controllers::SpeedLimits& own = turns ? controller_.angular_limits() : controller_.linear_limits();
+/// Sets the limits of a turn, a line or an arc.
+void BaseMotion::begin(bool turns, double amount, double curvature) {
+  turns_ = turns, amount_ = amount, curvature_ = curvature;
+  const controllers::SpeedLimits own = turns ? controller_.angular_limits() : controller_.linear_limits();
   double speed = stated(own.max_velocity, turns ? kAnyTurning : kAnySpeed);
   if (amount < 0 && !turns) speed = stated(-own.min_velocity, speed);
   const double most = stated(own.max_acceleration, speed / kToFullSpeed);
@@ -87,10 +107,14 @@ void BaseMotion::begin(bool turns, double amount) {
   const double asked_acceleration = of_way ? move_.turn_acceleration : move_.acceleration;
   speed *= move_.share;
   if (asked_speed > 0) speed = std::min(speed, asked_speed);
+  if (curvature != 0) {
+    speed *= controller_.share_on(curvature);
+    if (move_.turn_speed > 0) speed = std::min(speed, move_.turn_speed / std::abs(curvature));
+  }
   if (asked_acceleration > 0) acceleration = std::min(acceleration, asked_acceleration);
   limits_ = MotionLimits::symmetric(speed, acceleration, jerk);
-  planned_ = false;
-  late_ = 0;
+  planned_ = steered_ = false;
+  late_ = steering_ = 0;
 }
 
 Pose BaseMotion::pose() {
@@ -106,7 +130,7 @@ Pose BaseMotion::pose() {
 bool BaseMotion::has_leg() {
   if (!move_.to) return true;
   if (!way_ && !take_way()) return false;
-  if (!leg_begun_ && controller_.standing()) begin_leg();
+  if (!leg_begun_ && (controller_.standing() || goes_on_)) begin_leg();
   return active_ && leg_begun_;
 }
 
@@ -114,7 +138,7 @@ void BaseMotion::begin_search() {
   job_ = std::make_shared<Job>();
   around_.post([job = job_, search = around_.look(*move_.to)] {
     try {
-      job->legs = search();
+      job->legs = search([&] { return job->dropped.load(std::memory_order_relaxed); });
     } catch (const Error& e) {
       job->failure = e.problems().front();
     } catch (const std::exception& e) {
@@ -124,21 +148,32 @@ void BaseMotion::begin_search() {
   });
 }
 
+/// A search that nobody waits for any longer ends soon: other moves wait for the planning thread.
+void BaseMotion::drop_search() {
+  if (job_) job_->dropped.store(true, std::memory_order_relaxed);
+  job_.reset();
+}
+
 /// Begins the search where the base stands; true once the way is known.
 bool BaseMotion::take_way() {
   if (!job_ && controller_.standing()) begin_search();
   if (!job_ || !job_->done.load(std::memory_order_acquire)) return false;
   const std::shared_ptr<Job> job = std::exchange(job_, nullptr);
-  if (job->failure) {
-    problem_ = job->failure;
-    end(State::failed);
+  if (job->failure || ++ways_ > kMostWays) {
+    fail(job->failure.value_or(Problem{
+        "base-short", {}, "the base does not stay on its way", "is it blocked, or do its wheels slip?"}));
     return false;
   }
   way_ = std::move(job->legs);
   // The heading is put right at the end.
-  way_->push_back({true, move_.to->position, move_.to->position, heading_of(*move_.to)});
+  if (!steers()) way_->push_back({true, move_.to->position, move_.to->position, heading_of(*move_.to)});
   leg_ = 0, leg_begun_ = false;
   return true;
+}
+
+void BaseMotion::fail(Problem problem) {
+  problem_ = std::move(problem);
+  end(State::failed);
 }
 
 /// The next leg, from where the base stands. A turn that is smaller than what counts as arrived is left out.
@@ -146,17 +181,34 @@ void BaseMotion::begin_leg() {
   const Pose T_odometry_world = inverse(around_.T_world_odometry());
   for (; leg_ < way_->size(); ++leg_) {
     const BaseLeg& leg = (*way_)[leg_];
-    const double heading = leg.heading + heading_of(T_odometry_world);
+    const double length = leg.backwards ? -leg.length : leg.length;
+    const double heading = leg.heading + heading_of(T_odometry_world) - leg.curvature * length;
     const double turn = std::remainder(heading - place_.heading, 2 * std::numbers::pi);
     if (leg.turns && std::abs(turn) < kHereTurned) continue;
-    const Vec3 from = T_odometry_world * leg.from, to = T_odometry_world * leg.to;
+    const Vec3 from = T_odometry_world * leg.from;
     begin_ = Place{from.x, from.y, place_.heading + (leg.turns ? 0 : turn)};
-    const double length = std::hypot(to.x - from.x, to.y - from.y);
-    begin(leg.turns, leg.turns ? turn : leg.backwards ? -length : length);
+    begin(leg.turns, leg.turns ? turn : length, leg.curvature);
     leg_begun_ = true;
     return;
   }
-  end(State::done);
+  end_way();
+}
+
+/// For another way, from where the base comes to rest.
+void BaseMotion::look_again() {
+  way_.reset();
+  leg_begun_ = goes_on_ = false;
+  send(0, 0);
+}
+
+/// A base that steers and is beside its goal looks for a way to it from there.
+void BaseMotion::end_way() {
+  if (!steers()) return end(State::done);
+  const Pose now = pose();
+  const double off = std::hypot(now.position.x - move_.to->position.x, now.position.y - move_.to->position.y);
+  const double turned = std::remainder(heading_of(now) - heading_of(*move_.to), 2 * std::numbers::pi);
+  if (off < kThere && std::abs(turned) < kThereTurned) return end(State::done);
+  look_again();
 }
 
 /// The present turn or line has ended. True if the move has another leg.
@@ -164,7 +216,8 @@ bool BaseMotion::go_on() {
   if (!move_.to) return false;
   ++leg_;
   leg_begun_ = planned_ = false;
-  send(0, 0);
+  goes_on_ = steers();
+  if (!goes_on_) send(0, 0);
   return true;
 }
 
@@ -190,13 +243,24 @@ bool BaseMotion::is_silent(double dt) {
 }
 
 double BaseMotion::covered() const {
-  if (turns_) return place_.heading - begin_.heading;
-  return (place_.x - begin_.x) * std::cos(begin_.heading) + (place_.y - begin_.y) * std::sin(begin_.heading);
+  const double turned = place_.heading - begin_.heading;
+  if (turns_) return turned;
+  const double x = place_.x - begin_.x, y = place_.y - begin_.y;
+  const double c = std::cos(begin_.heading), s = std::sin(begin_.heading);
+  if (curvature_ == 0) return x * c + y * s;
+  // The angle about the centre of the arc, by the turn that is nearest to that of the base.
+  const double side = curvature_ * (y * c - x * s), ahead = curvature_ * (x * c + y * s);
+  const double angle = std::atan2(ahead, 1 - side);
+  return (turned + std::remainder(angle - turned, 2 * std::numbers::pi)) / curvature_;
 }
 
-/// How far the base is to the left of its line.
+/// How far the base is to the left of its line or arc.
 double BaseMotion::beside() const {
-  return (place_.y - begin_.y) * std::cos(begin_.heading) - (place_.x - begin_.x) * std::sin(begin_.heading);
+  const double x = place_.x - begin_.x, y = place_.y - begin_.y;
+  const double c = std::cos(begin_.heading), s = std::sin(begin_.heading);
+  const double ahead = x * c + y * s, side = y * c - x * s;
+  if (curvature_ == 0) return side;
+  return (1 - std::hypot(curvature_ * ahead, 1 - curvature_ * side)) / curvature_;
 }
 
 /// How far the base is from the line, or from the place of the turn.
@@ -210,7 +274,7 @@ std::optional<BaseMotion::Left> BaseMotion::left() const {
   if (!active_ || (move_.to && !leg_begun_)) return std::nullopt;
   const double sign = amount_ < 0 ? -1 : 1;
   const double rest = std::max(0.0, sign * (amount_ - (planned_ ? covered() : 0)));
-  return turns_ ? Left{0, rest} : Left{rest, 0};
+  return turns_ ? Left{0, rest} : Left{rest, rest * std::abs(curvature_)};
 }
 
 bool BaseMotion::plan(double from) {
@@ -232,7 +296,7 @@ void BaseMotion::send(double linear, double angular) {
 void BaseMotion::end(State outcome) {
   active_ = false;
   outcome_ = outcome;
-  job_.reset();
+  drop_search();
   send(0, 0);
 }
 
@@ -242,7 +306,8 @@ void BaseMotion::tick(Nanoseconds now, bool running, double share) {
   last_ = now;
   const bool seen = look();
   if (!running) {  // the base stops; it continues from there later
-    planned_ = false;
+    planned_ = steered_ = goes_on_ = false;
+    steering_ = 0;
     return;
   }
   if (is_silent(dt)) {
@@ -253,21 +318,12 @@ void BaseMotion::tick(Nanoseconds now, bool running, double share) {
                 "polyarm control list says whether it is active; the start of the run says why it is not"};
     active_ = false;
     outcome_ = State::failed;
+    drop_search();
     return;
   }
-  if (!seen || !has_leg()) return;
-  const double done = covered();
-  if (!planned_) {
-    if (!controller_.standing()) return;
-    if (move_.to && strayed() > kStrayed) {  // somebody has moved it: another way
-      way_.reset();
-      leg_begun_ = false;
-      return;
-    }
-    if (!plan(done)) return end(State::failed);
-    planned_ = true;
-  }
-  const double rate = std::clamp(share, 0.0, 1.0), most = limits_.max_velocity;
+  const double rate = std::clamp(share, 0.0, 1.0);
+  if (!seen || !has_leg() || (!planned_ && !begin_plan(dt * rate))) return;
+  const double done = covered(), most = limits_.max_velocity;
   time_ += dt * rate * pace_;
   std::array<MotionState, 1> state;
   motion_.sample(time_, state);
@@ -280,6 +336,38 @@ void BaseMotion::tick(Nanoseconds now, bool running, double share) {
   send_speed(speed);
 }
 
+/// True once the base may move along its turn, line or arc.
+bool BaseMotion::begin_plan(double dt) {
+  if (steering_ == 0 && !goes_on_ && !controller_.standing()) return false;
+  if (move_.to && strayed() > kStrayed) {  // somebody has moved it: another way
+    look_again();
+    return false;
+  }
+  if (steers() && !steered_ && !has_steered(dt)) return false;
+  planned_ = active_ && plan(covered());
+  if (active_ && !planned_) end(State::failed);
+  return planned_;
+}
+
+/// Steers at rest to the curvature of the leg.
+bool BaseMotion::has_steered(double dt) {
+  const double off = std::abs(controller_.curvature() - curvature_);
+  // What it measured may be older than the first command.
+  steered_ = steering_ > 0 && off < kSteered * controller_.sharpest();
+  if (steered_) return true;
+  steering_ += dt;
+  if (steering_ > kSteeringTimeout) {
+    fail({"base-short",
+          {},
+          fmt::format("the base steers to a curvature of {:.3f} 1/m instead of {:.3f} 1/m",
+                      controller_.curvature(), curvature_),
+          "is the steering blocked, or are the limits of its joint too small?"});
+    return false;
+  }
+  send_steered(std::copysign(kCreep, amount_), 0);
+  return false;
+}
+
 /// After the planned end: true if the move, or its leg, has ended.
 bool BaseMotion::late(double off, double dt) {
   late_ += dt;
@@ -289,20 +377,27 @@ bool BaseMotion::late(double off, double dt) {
   }
   if (late_ <= kTimeout) return false;
   const double done = amount_ - off;
-  problem_ = Problem{
-      "base-short",
-      {},
-      turns_ ? fmt::format("the base has turned by {:.1f} of {:.1f} deg and does not get further",
-                           done * 180 / std::numbers::pi, amount_ * 180 / std::numbers::pi)
-             : fmt::format("the base has driven {:.3f} of {:.3f} m and does not get further", done, amount_),
-      "is it blocked, or do its wheels slip?"};
-  end(State::failed);
+  fail({"base-short",
+        {},
+        turns_
+            ? fmt::format("the base has turned by {:.1f} of {:.1f} deg and does not get further",
+                          done * 180 / std::numbers::pi, amount_ * 180 / std::numbers::pi)
+            : fmt::format("the base has driven {:.3f} of {:.3f} m and does not get further", done, amount_),
+        "is it blocked, or do its wheels slip?"});
   return true;
 }
 
 /// Along the turn or the line. On a way the base also steers back to its line.
 void BaseMotion::send_speed(double speed) {
   if (turns_) return send(0, speed);
+  if (steers()) {
+    // Back to the way in a time that fits the steering; on a long wheelbase slower.
+    const double rate = std::clamp(controller_.sharpest(), kSlowest, kFastest);
+    const double back = std::clamp(rate / (2 * kDamping) * beside(), -kMostSideways, kMostSideways);
+    const double astray = begin_.heading + curvature_ * covered() - place_.heading;
+    return send_steered(std::abs(speed) < kCreep ? std::copysign(kCreep, amount_) : speed,
+                        2 * kDamping * rate * (astray - (amount_ < 0 ? -back : back)));
+  }
   double astray = begin_.heading - place_.heading;
   if (move_.to)
     astray -= std::clamp(kSideways * beside(), -kMostSideways, kMostSideways) * (amount_ < 0 ? -1 : 1);
@@ -311,6 +406,12 @@ void BaseMotion::send_speed(double speed) {
   send(speed, controller_.turns_on_the_spot()
                   ? std::clamp(gain_ * astray, -turn, turn)
                   : std::abs(speed) * std::clamp(kBack * astray, -kSharpest, kSharpest));
+}
+
+/// `astray`: curvature to add, of the turn per metre of way, ahead or backwards.
+void BaseMotion::send_steered(double speed, double astray) {
+  const double most = controller_.sharpest();
+  send(speed, speed * std::clamp(curvature_ + std::copysign(1, speed) * astray, -most, most));
 }
 
 void BaseMotion::drop() {

@@ -31,45 +31,59 @@ struct BaseMove {
          turn_acceleration = 0;  ///< of turns on this way: rad/s and rad/s², maximum; 0: the limit
 };
 
-/// A piece of a way, in the world: a turn on the spot to the heading, or a straight line.
+/// A piece of a way, in the world: a turn on the spot to the heading, a straight line, or an arc.
 struct BaseLeg {
   bool turns = false;
   Vec3 from, to;
-  double heading = 0;
-  bool backwards = false;  ///< of a line
+  double heading = 0;      ///< at its end
+  bool backwards = false;  ///< of a line or an arc
+  double curvature = 0;    ///< of an arc: 1/m, positive to the left
+  double length = 0;       ///< m, of a line or an arc
 };
 
 /// What a base knows of the cell. All but the search itself is called on the cell thread.
 struct BaseSurroundings {
   std::function<Pose()> T_world_odometry;
   /// Looks at what is around now. The returned search runs on the planning thread; it throws Error if there
-  /// is no way.
-  using Search = std::function<std::vector<BaseLeg>()>;
+  /// is no way, and ends soon once `dropped` returns true.
+  using Search = std::function<std::vector<BaseLeg>(const std::function<bool()>& dropped)>;
   std::function<Search(const Pose& goal)> look;
   std::function<void(std::function<void()>)> post;  ///< runs a job, immediately or on another thread
+  /// Ways of bases that steer may be used. Guards that judge a base by its present direction stop it on an
+  /// arc beside an obstacle.
+  bool arcs = false;
 };
 
-/// A base that steers only drives straight.
-/// Moves from rest to rest within velocity, acceleration and jerk limits. Feedback comes from the odometry of
-/// the base's controller; commands go through its cmd_vel. A straight move stays on its line. If the
-/// controller states no acceleration, full speed takes half a second; if it states no jerk, full acceleration
-/// takes 0.2 s. On hold the base stops; on resume it continues from where it is. Cell thread only.
+/// A base that steers does not turn on the spot: its ways have arcs, and it stands while it steers to the
+/// next curvature. Moves from rest to rest within velocity, acceleration and jerk limits. Feedback comes from
+/// the odometry of the base's controller; commands go through its cmd_vel. A straight move stays on its line.
+/// If the controller states no acceleration, full speed takes half a second; if it states no jerk, full
+/// acceleration takes 0.2 s. On hold the base stops; on resume it continues from where it is. Cell thread
+/// only.
 class BaseMotion {
  public:
   enum class State { running, done, failed, discarded };
 
   /// The controller must outlive this object. `period`: of its updates, s.
   BaseMotion(controllers::BaseController& controller, double period);
+  ~BaseMotion();
+  BaseMotion(const BaseMotion&) = delete;
+  BaseMotion& operator=(const BaseMotion&) = delete;
   const controllers::BaseController& controller() const { return controller_; }
   /// Without it there are no moves to a place.
   void set_surroundings(BaseSurroundings around) { around_ = std::move(around); }
   /// T_world_base of the frame that the odometry tracks, after set_surroundings().
   Pose pose();
 
-  /// Throws Error("bad-move") if the base has no moves to a place: it steers.
+  /// Largest curvature of its ways, 1/m; infinite: it turns on the spot. Smaller than that of the base, so
+  /// that it can steer back to its way.
+  double sharpest() const;
+  /// Throws Error("bad-move") if the base has no moves to a place: it steers, and ways with arcs are not
+  /// used.
   void check_way() const;
   /// Returns its id, which counts up from 1. Throws Error("busy") during another move,
-  /// Error("no-odometry"), and Error("bad-move") for a turn of a base that steers, or its move to a place.
+  /// Error("no-odometry"), and Error("bad-move") for a turn of a base that steers,
+  /// or as check_way() does.
   std::uint64_t start(const BaseMove& move);
   /// Call it in every tick. `running`: the loop is neither held nor in a fault. `share`: fraction of the
   /// planned speed, [0, 1].
@@ -78,8 +92,9 @@ class BaseMotion {
   void drop();
 
   bool idle() const { return !active_; }
-  /// What is left of the present move, or of the present leg of a way: m straight, or rad on the spot, not
-  /// negative. Empty without a move, and while a move to a place has no leg: the base may still roll then.
+  /// What is left of the present move, or of the present leg of a way: m, and rad on the spot or along an
+  /// arc, not negative. Empty without a move, and while a move to a place has no leg: the base may still roll
+  /// then.
   struct Left {
     double way = 0, turn = 0;
   };
@@ -96,7 +111,7 @@ class BaseMotion {
   struct Job {
     std::vector<BaseLeg> legs;
     std::optional<Problem> failure;
-    std::atomic<bool> done{false};
+    std::atomic<bool> done{false}, dropped{false};
   };
   bool look();
   bool is_silent(double dt);
@@ -104,14 +119,22 @@ class BaseMotion {
   double beside() const;
   double strayed() const;
   bool plan(double from);
-  void begin(bool turns, double amount);
+  void begin(bool turns, double amount, double curvature);
+  bool steers() const { return move_.to && !controller_.turns_on_the_spot(); }
   bool has_leg();
   void begin_search();
+  void drop_search();
   bool take_way();
   void begin_leg();
+  void end_way();
+  void look_again();
+  bool begin_plan(double dt);
+  bool has_steered(double dt);
   bool go_on();
   bool late(double off, double dt);
+  void fail(Problem problem);
   void send_speed(double speed);
+  void send_steered(double speed, double astray);
   void send(double linear, double angular);
   void end(State outcome);
 
@@ -124,6 +147,11 @@ class BaseMotion {
   std::optional<std::vector<BaseLeg>> way_;  // of a move to a place, once it is known
   std::size_t leg_ = 0;                      // the present one
   bool leg_begun_ = false;
+  int ways_ = 0;          // that were begun for this move
+  bool goes_on_ = false;  // a base that steers has just ended the leg before, at rest
+  bool steered_ = false;  // it has the curvature of the leg
+  double steering_ = 0;   // s since it began to steer
+  double curvature_ = 0;  // of the present leg, 1/m
   bool turns_ = false;  // what it does now: a turn, else a straight line
   double amount_ = 0;   // of it: rad or m
   trajectory::MotionLimits limits_;

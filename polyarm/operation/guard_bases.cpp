@@ -84,7 +84,7 @@ bool Guards::base_drives(std::size_t r) const {
 }
 
 double Guards::braking_of_base(std::size_t r) const {
-  const controllers::SpeedLimits& limits = cell_.motions.wheels(r)->controller().linear_limits();
+  const controllers::SpeedLimits limits = cell_.motions.wheels(r)->controller().linear_limits();
   for (const double limit : {limits.max_deceleration, limits.max_acceleration})
     if (std::isfinite(limit) && limit != 0) return std::abs(limit);
   return kDeceleration;

@@ -135,9 +135,17 @@ void ProgramHost::add_part(const std::string& belt, const Pose& at) {
   c_.belts ? c_.belts->add(belt, at) : Host::add_part(belt, at);
 }
 
+Streams& ProgramHost::streams(const std::string& wanted) const {
+  if (!c_.streams) throw Error("unknown-stream", "the cell has no stream '" + wanted + "'");
+  return *c_.streams;
+}
+
 Stream& ProgramHost::used(const std::string& stream) {
-  if (!c_.streams) throw Error("unknown-stream", "the cell has no stream '" + stream + "'");
-  return c_.streams->used(stream, now());
+  return streams(stream).used(stream, now());
+}
+
+bool ProgramHost::is_connected(const std::string& stream) {
+  return streams(stream).is_connected(stream, now());
 }
 
 data::List ProgramHost::rows_of(const std::string& file) {

@@ -118,7 +118,7 @@ class ProgramHost : public program::Host {
   double missed_parts(const std::string& belt) override;
   void add_part(const std::string& belt, const Pose& at) override;
   data::List rows_of(const std::string& file) override;
-  bool is_connected(const std::string& stream) override { return used(stream).connected(); }
+  bool is_connected(const std::string& stream) override;
   bool has_line(const std::string& stream) override { return used(stream).has_line(); }
   std::string next_line(const std::string& stream) override { return used(stream).next_line(); }
   void send_text(const std::string& stream, const std::string& text) override { used(stream).send(text); }
@@ -145,6 +145,8 @@ class ProgramHost : public program::Host {
 
  private:
   ProgramMoves& moves() const;
+  /// `wanted`: of the message, if the cell has none.
+  Streams& streams(const std::string& wanted) const;
   Stream& used(const std::string& stream);
 
   Context c_;

@@ -1,6 +1,7 @@
 #pragma once
 #include <array>
 #include <atomic>
+#include <limits>
 #include <optional>
 
 #include "polyarm/controllers/controller.hpp"
@@ -32,12 +33,18 @@ class BaseController : public Controller {
 
   /// False of steered bases: they turn only while they drive.
   virtual bool turns_on_the_spot() const { return true; }
+  /// Largest curvature that it drives, 1/m; infinite if it turns on the spot. As configured.
+  virtual double sharpest() const noexcept { return std::numeric_limits<double>::infinity(); }
+  /// The speed of the place that the odometry tracks, over that of the fastest wheel, on an arc.
+  virtual double share_on(double /*curvature*/) const noexcept { return 1; }
+  /// Curvature to which it steers now, as measured, 1/m; 0 if it turns on the spot. Any thread.
+  double curvature() const noexcept { return curvature_.load(std::memory_order_relaxed); }
   /// Control thread.
   virtual const PlanarOdometry& odometry() const noexcept = 0;
   /// Null before it is configured.
   Output* odometry_output() const { return odom_; }
   /// As configured.
-  const SpeedLimits& linear_limits() const noexcept { return limits_[0]; }
+  virtual SpeedLimits linear_limits() const noexcept { return limits_[0]; }
   const SpeedLimits& angular_limits() const noexcept { return limits_[2]; }
 
  protected:
@@ -77,6 +84,9 @@ class BaseController : public Controller {
   std::size_t claim_wheel(ControllerContext& context, const std::string& written,
                           const std::string& interface, const std::string& key);
 
+  /// How far all of these joints turn to both sides from 0, rad; infinite where nobody states it.
+  static double steering_limit(const ControllerContext& context, const std::vector<std::string>& joints);
+
   bool open_loop() const noexcept { return open_loop_; }
   bool position_feedback() const noexcept { return position_feedback_; }
   /// False: the odometry's message has a velocity and no pose.
@@ -100,6 +110,7 @@ class BaseController : public Controller {
   /// False while wheels still slow down after the twist has reached zero.
   virtual bool wheels_at_rest() const noexcept { return true; }
   virtual void publish_more(const Cycle& cycle) noexcept {}
+  void set_curvature(double curvature) noexcept { curvature_.store(curvature, std::memory_order_relaxed); }
 
  private:
   struct Command {
@@ -139,6 +150,7 @@ class BaseController : public Controller {
   realtime::Latest<Command> commands_inbox_;
   realtime::Latest<Place> place_inbox_;
   std::atomic<bool> standing_{true};
+  std::atomic<double> curvature_{0};
 
   // control thread
   std::array<SpeedLimiter, 3> limiters_;

@@ -106,6 +106,16 @@ std::string BaseController::whole_wheel(const ControllerContext& context, const 
                                                                 : context.whole_joint(written, key);
 }
 
+double BaseController::steering_limit(const ControllerContext& context,
+                                      const std::vector<std::string>& joints) {
+  double out = kUnlimited;
+  for (const std::string& name : joints)
+    for (const std::string& whole : {name, context.robot + "/" + name})
+      if (const JointFacts* joint = context.find_joint(whole); joint && !joint->continuous)
+        out = std::min({out, -joint->lower, joint->upper});
+  return out;
+}
+
 std::size_t BaseController::claim_wheel(ControllerContext& context, const std::string& written,
                                         const std::string& interface, const std::string& key) {
   const std::size_t before = command_interfaces().size();

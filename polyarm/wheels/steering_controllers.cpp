@@ -109,6 +109,13 @@ void SteeringController::read_joints(ControllerContext& context) {
   for (const std::string& name : steering)
     steering_.push_back(claim_wheel(context, name, "position", "steering_joints_names"));
   claim_states(context, traction_states, steering_states);
+  sharpest_ = sharpest_curvature(geometry_, steering_limit(context, steering));
+}
+
+double SteeringController::share_on(double curvature) const noexcept {
+  const bool bicycle = geometry_.kind == SteeringGeometry::Kind::bicycle;
+  const double outer = 1 + (bicycle ? 0 : geometry_.traction_track / 2 * std::abs(curvature));
+  return 1 / std::max(std::hypot(1, geometry_.wheelbase * curvature), outer);
 }
 
 void SteeringController::make_state_output() {
@@ -212,6 +219,7 @@ void SteeringController::publish_more(const Cycle& cycle) noexcept {
   for (const std::size_t i : traction_) *out++ = command(i);
   for (const std::size_t i : steering_) *out++ = command(i);
   state_->publish(cycle.time);
+  set_curvature(std::tan(open_loop() ? desired_angle_ : angle_) / geometry_.wheelbase);
 }
 
 }  // namespace polyarm::controllers

@@ -12,6 +12,8 @@ class SteeringController : public BaseController {
  public:
   CallbackReturn on_configure(ControllerContext& context) override;
   bool turns_on_the_spot() const override { return false; }
+  double sharpest() const noexcept override { return sharpest_; }
+  double share_on(double curvature) const noexcept override;
   const PlanarOdometry& odometry() const noexcept override { return odometry_; }
   const SteeringGeometry& geometry() const noexcept { return geometry_; }
 
@@ -42,6 +44,7 @@ class SteeringController : public BaseController {
   std::vector<std::size_t> traction_, steering_;              // commands
   std::vector<std::size_t> traction_state_, steering_state_;  // empty: not measured
   bool slow_while_steering_ = false;
+  double sharpest_ = 0;  // 1/m
   PlanarOdometry odometry_;
   Output* state_ = nullptr;
   // control thread

@@ -10,8 +10,15 @@ namespace {
 using Kind = SteeringGeometry::Kind;
 constexpr double kStraight = 1e-6;                        // rad
 constexpr double kFullSpeedBelow = std::numbers::pi / 6;  // rad
+constexpr double kLeastSteering = 1e-3;                   // rad: with less it only drives straight
 constexpr double kSlowest = 1.5608;                       // rad: a little before the cosine is 0
 }  // namespace
+
+double sharpest_curvature(const SteeringGeometry& geometry, double limit) noexcept {
+  // The inner joint of an Ackermann axle turns farthest.
+  const double inner = geometry.kind == Kind::ackermann ? geometry.steering_track / 2 : 0;
+  return 1 / (geometry.wheelbase / std::tan(std::clamp(limit, kLeastSteering, kMostSteering)) + inner);
+}
 
 double steering_angle(const SteeringGeometry& geometry, double v, double w) noexcept {
   const double angle = std::atan(w * geometry.wheelbase / v);

@@ -22,6 +22,13 @@ struct SteeringGeometry {
 /// Right, left; of a single joint the first counts.
 using RightLeft = std::array<double, 2>;
 
+/// No base steers farther on its ways, rad: the wheels would slip.
+inline constexpr double kMostSteering = 1.0471975511965976;
+
+/// Largest curvature (1/m) at which no steering joint is beyond `limit` (rad, above 0), nor beyond
+/// kMostSteering.
+double sharpest_curvature(const SteeringGeometry& geometry, double limit) noexcept;
+
 /// Angle of the middle of the steering axle for a speed v (m/s) and a turn rate w (rad/s). Without both it is
 /// 0; a turn without speed gives a quarter turn.
 double steering_angle(const SteeringGeometry& geometry, double v, double w) noexcept;

@@ -5,6 +5,8 @@
 #include <numbers>
 #include <utility>
 
+#include "polyarm/wheels/steering_kinematics.hpp"
+
 namespace polyarm::controllers {
 
 namespace {
@@ -90,6 +92,11 @@ void TricycleController::read_joints(ControllerContext& context) {
       claim_state(whole_wheel(context, traction, "velocity", "traction_joint_name") + "/velocity");
   steering_state_ =
       claim_state(whole_wheel(context, steering, "position", "steering_joint_name") + "/position");
+  double limit = steering_limit(context, {steering});
+  if (!std::isnan(steering_limits_.max_position))
+    limit = std::min({limit, steering_limits_.max_position, -steering_limits_.min_position});
+  const SteeringGeometry geometry{.kind = SteeringGeometry::Kind::bicycle, .wheelbase = wheelbase_};
+  sharpest_ = sharpest_curvature(geometry, limit);
 }
 
 CallbackReturn TricycleController::on_configure(ControllerContext& context) {
@@ -113,6 +120,16 @@ CallbackReturn TricycleController::on_configure(ControllerContext& context) {
   wheel_.set(traction_limits_);
   angle_.set(steering_limits_);
   return finish_base(p);
+}
+
+/// Of the base on a straight line, from those of its wheel.
+SpeedLimits TricycleController::linear_limits() const noexcept {
+  SpeedLimits out;
+  out.max_velocity = traction_limits_.max_velocity * radius_;
+  out.max_acceleration = traction_limits_.max_acceleration * radius_;
+  out.max_deceleration = traction_limits_.max_deceleration * radius_;
+  out.max_jerk = traction_limits_.max_jerk * radius_;
+  return out;
 }
 
 void TricycleController::begin() noexcept {
@@ -165,6 +182,8 @@ bool TricycleController::track(const PlanarTwist& commanded, double dt) noexcept
 }
 
 void TricycleController::publish_more(const Cycle& cycle) noexcept {
+  const double angle = open_loop() ? angle_.angle() : state(steering_state_);
+  set_curvature(std::tan(angle) / wheelbase_);
   if (!report_drive_) return;
   drive_->draft().values[0] = angle_.angle();
   drive_->draft().values[1] = wheel_.speed();

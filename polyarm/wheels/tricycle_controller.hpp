@@ -31,6 +31,11 @@ class TricycleController : public BaseController {
   TricycleController();
   CallbackReturn on_configure(ControllerContext& context) override;
   bool turns_on_the_spot() const override { return false; }
+  double sharpest() const noexcept override { return sharpest_; }
+  SpeedLimits linear_limits() const noexcept override;
+  double share_on(double curvature) const noexcept override {
+    return 1 / std::hypot(1, wheelbase_ * curvature);
+  }
   const PlanarOdometry& odometry() const noexcept override { return odometry_; }
 
  private:
@@ -49,6 +54,7 @@ class TricycleController : public BaseController {
 
   std::size_t traction_ = 0, steering_ = 0, traction_state_ = 0, steering_state_ = 0;
   double wheelbase_ = 1, radius_ = 1;  // m
+  double sharpest_ = 0;                // 1/m
   bool report_drive_ = false;
   SpeedLimits traction_limits_;
   AngleLimiter::Limits steering_limits_;

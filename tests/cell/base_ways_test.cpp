@@ -50,6 +50,10 @@ constexpr const char* kWallAhead = "  wall: {box: [0.1, 1.4, 1], at: [1.2, 0, 0.
 
 class BaseWaysOfPrograms : public ::testing::Test {
  protected:
+  BaseWaysOfPrograms() {
+    hardware::register_driver(
+        "mock", [] { return std::unique_ptr<hardware::Component>(new drivers::MockComponent); });
+  }
   CellFile file(const std::string& program, const std::string& fixtures, const std::string& more = {}) {
     folder.write("base.urdf", kBaseUrdf);
     folder.write("controllers.yaml", kBaseControllers);
@@ -203,6 +207,49 @@ TEST_F(BaseWaysOfPrograms, ItDocksAheadOfTwoPlaces) {
         "  dock: {box: [0.2, 0.6, 0.5], at: [2.11, 0.3, 0.25]}\n");
   finish();
   expect_at(2 - 0.32, 0.3, 0);
+}
+
+TEST_F(BaseWaysOfPrograms, ItUndocksBackToWhereItBeganToDock) {
+  start("include \"polyarm:base\"\nundock_to(pose(), away = 600mm, gap = 320mm)\n");
+  double back = 0;
+  while (!ended() && now() < 60) {
+    cell->tick();
+    back = std::min(back, place().x());
+  }
+  EXPECT_NEAR(back, -0.28, 0.003) << "from 320 mm to 600 mm";
+  expect_at(0, 0, 0);
+}
+
+/// An arm beside the base; `check` plans its moves around the base.
+TEST_F(BaseWaysOfPrograms, CheckPlansMovesOfArmsAroundABaseWhereItHasDriven) {
+  std::string both = kBaseControllers;
+  both.replace(both.find("base: {type"), 0,
+               "arm: {type: joint_trajectory_controller/JointTrajectoryController}, ");
+  both +=
+      "arm:\n  ros__parameters:\n    joints: [shoulder_pan_joint, shoulder_lift_joint, elbow_joint, "
+      "wrist_1_joint, wrist_2_joint, wrist_3_joint]\n    command_interfaces: [position]\n"
+      "    state_interfaces: [position, velocity]\n";
+  const auto found = [&](const std::string& program) {
+    file(program, "");
+    folder.write("cell.yaml",
+                 "polyarm: cell/1\nrobots:\n  base: {model: base.urdf, hardware: mock}\n"
+                 "  arm: {model: universal_robots/ur3, hardware: mock, at: [0, 0.6, 0]}\n"
+                 "scene: scene.yaml\ncontrollers: both.yaml\nprogram: go\n");
+    folder.write("both.yaml", both);
+    std::string out;
+    for (const Problem& problem :
+         check(folder.path(), {}, description::Catalogue({std::string(POLYARM_SOURCE_DIR) + "/robots"}), {})
+             .problems)
+      if (problem.severity == Severity::error) out += problem.text() + "\n";
+    return out;
+  };
+  // 0.45 m in front of the arm: over the middle of the base where it starts.
+  const std::string low =
+      "movej pose(0, -0.45m, 0.25m, 180deg, 0, 0), frame \"arm/base\", robot arm, around true\n";
+  EXPECT_NE(found(low).find("inside base/base_link"), std::string::npos) << found(low);
+  EXPECT_EQ(found("drive -1m, robot base\n" + low), "");
+  const std::string back = found("drive -1m, robot base\ndrive 1m, robot base\n" + low);
+  EXPECT_NE(back.find("inside base/base_link"), std::string::npos) << back;
 }
 
 }  // namespace

@@ -163,6 +163,9 @@ TEST(Streams, NothingOpensInLockStepAndDevicesOnlyForReal) {
   Streams unreal({device}, {true, false});
   EXPECT_THROW(unreal.used("scanner", 0), Error);
   EXPECT_THROW(unreal.used("scaner", 0), Error);
+  EXPECT_FALSE(closed.is_connected("scanner", 0)) << "a program that asks goes on";
+  EXPECT_FALSE(unreal.is_connected("scanner", 0));
+  EXPECT_THROW(closed.is_connected("scaner", 0), Error);
 }
 
 }  // namespace

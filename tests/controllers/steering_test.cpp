@@ -49,6 +49,19 @@ TEST(SteeringKinematics, TurnsInnerWheelsMoreAndSlower) {
   EXPECT_EQ(traction_wheels(g, 1, 0), (RightLeft{1, 1}));
 }
 
+TEST(SteeringKinematics, AtItsSharpestNoJointIsBeyondItsLimit) {
+  for (const Kind kind : {Kind::bicycle, Kind::tricycle, Kind::ackermann})
+    for (const double limit : {0.3, 0.7, 1.0}) {
+      const SteeringGeometry g = geometry(kind);
+      const double middle = std::atan(sharpest_curvature(g, limit) * g.wheelbase);
+      const auto [right, left] = steering_joints(g, middle);
+      EXPECT_NEAR(std::max(right, left), limit, 1e-9);
+    }
+  const SteeringGeometry g = geometry(Kind::bicycle);
+  EXPECT_EQ(sharpest_curvature(g, INFINITY), sharpest_curvature(g, kMostSteering));
+  EXPECT_GT(sharpest_curvature(g, 0), 0) << "of a joint that does not turn to one side";
+}
+
 TEST(SteeringKinematics, DrivesSlowerWhileItSteers) {
   EXPECT_EQ(share_while_steering(0.5), 1);
   EXPECT_NEAR(share_while_steering(-kPi / 4), std::cos(kPi / 4) / std::cos(kPi / 6), 1e-12);
