@@ -51,6 +51,18 @@ def png(image):
         part(b"IDAT", zlib.compress(lines, 4)) + part(b"IEND", b"")
 
 
+def _described_camera(name, height, width, video_fps):
+    """A camera in info.json. `video_fps`: None if its pictures are kept."""
+    out = {"dtype": "image" if video_fps is None else "video", "shape": [height, width, 3],
+           "names": ["height", "width", "channels"]}
+    if video_fps is None:
+        return out
+    if height % 2 or width % 2:
+        raise ValueError(f"'{name}' has {height} x {width} pixels, and a video needs even numbers: crop a line, or use video=False")
+    return out | {"info": {"video.height": height, "video.width": width, "video.codec": "h264", "video.pix_fmt": "yuv420p",
+                           "video.is_depth_map": False, "video.fps": video_fps, "video.channels": 3, "has_audio": False}}
+
+
 def _place(episode):
     return {"chunk_index": episode // _CHUNK, "file_index": episode % _CHUNK}
 
@@ -115,8 +127,7 @@ class DataSet:
             if not re.fullmatch(r"[A-Za-z0-9_.]{1,100}", name) or name in _OWN:
                 raise ValueError(f"'{name}' is no name of a feature: letters, digits, '_' and '.'")
             if name in cameras:
-                described[name] = {"dtype": "video" if video else "image", "shape": [*map(int, names), 3],
-                                   "names": ["height", "width", "channels"]}
+                described[name] = _described_camera(name, *map(int, names), int(fps) if video else None)
             else:
                 described[name] = {"dtype": "float32", "shape": [len(names)], "names": list(names)}
         described |= {name: {"dtype": kind, "shape": [1], "names": None} for name, kind in _OWN.items()}
@@ -357,8 +368,7 @@ class DataSet:
             made = pathlib.Path(folder) / "video.mp4"
             done = subprocess.run(
                 ["ffmpeg", "-loglevel", "error", "-f", "rawvideo", "-pix_fmt", "rgb24", "-s", f"{width}x{height}", "-r",
-                 str(self.fps), "-i", "-", "-an", "-c:v", "libx264", "-pix_fmt", "yuv420p", "-g", "2", "-crf", "18",
-                 "-vf", "pad=ceil(iw/2)*2:ceil(ih/2)*2", str(made)],
+                 str(self.fps), "-i", "-", "-an", "-c:v", "libx264", "-pix_fmt", "yuv420p", "-g", "2", "-crf", "18", str(made)],
                 input=b"".join(image.tobytes() for image in images), capture_output=True, check=False)
             if done.returncode:
                 raise OSError(f"ffmpeg has made no video of '{name}': {done.stderr.decode(errors='replace')[-500:]}")

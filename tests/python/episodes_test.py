@@ -21,7 +21,7 @@ from polyarm.episodes import DataSet, png
 from polyarm.parquet import Column, encode_table, read_table, write_table
 from polyarm.policy import ActionQueue, PolicyFailed, replay, run_policy, run_policy_on
 from polyarm.record import features_of, joints_of, record, record_running, running_joints
-from support import COMMAND, EXAMPLES, forward_cell, wait_for_cell
+from support import COMMAND, EXAMPLES, SOURCE, forward_cell, wait_for_cell
 
 FEATURES = {"observation.state": ["a", "b"], "action": ["a", "b"]}
 
@@ -91,6 +91,66 @@ class Parquet(InAFolder):
             Column("int8", [])
         with self.assertRaises(ValueError):
             encode_table({"a": Column("int64", [1]), "b": Column("int64", [1, 2])})
+
+
+READERS = SOURCE / "pendant/node_modules"
+
+
+@unittest.skipUnless(shutil.which("node") and (READERS / "hyparquet").exists(), "needs Node.js and the pendant's packages")
+class AnotherLibrary(InAFolder):
+    """hyparquet reads what is written."""
+
+    def read(self, *files):
+        done = subprocess.run(["node", SOURCE / "tests/python/read_parquet.mjs", READERS, *files], capture_output=True, text=True)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        return [json.loads(line) for line in done.stdout.splitlines()]
+
+    def test_reads_every_kind_of_column(self):
+        random = np.random.default_rng(3)
+        columns = {"time": Column("float32", random.normal(size=1000)), "number": Column("int64", np.arange(1000) - 5),
+                   "wide": Column("float64", random.normal(size=(1000, 7)), lists=True),
+                   "ragged": Column("float32", [random.normal(size=k % 4) for k in range(1000)], lists=True),
+                   "texts": Column("string", [["x", "yy µ"][:k % 3] for k in range(1000)], lists=True)}
+        self.folder.mkdir()
+        write_table(self.folder / "a.parquet", columns, {"key": "value"})
+        table, = self.read(self.folder / "a.parquet")
+        self.assertEqual(table["metadata"], {"key": "value"})
+        for name, column in columns.items():
+            given = [np.asarray(value).tolist() if column.kind != "float32" else np.asarray(value, np.float32).tolist()
+                     for value in column.values]
+            self.assertEqual([row[name] for row in table["rows"]], given, name)
+
+    def test_follows_a_data_set_as_lerobot_does(self):
+        """By the paths of info.json, and by the descriptions of the episodes."""
+        out = DataSet.create(self.folder, FEATURES | {"one": ["x"], "observation.images.front": (4, 6)}, fps=20, video=False)
+        for episode in range(3):
+            out.begin(f"task {episode % 2}")
+            for frame in range(4 + episode):
+                out.add(observation__state=[frame, episode], action=[frame + 0.5, -episode], one=[frame],
+                        observation__images__front=np.full((4, 6, 3), frame, np.uint8))
+            out.save()
+        info = json.loads((self.folder / "meta/info.json").read_text())
+        tasks, *described = self.read(self.folder / "meta/tasks.parquet", *sorted((self.folder / "meta/episodes").glob("*/*.parquet")))
+        self.assertEqual(json.loads(tasks["metadata"]["pandas"])["index_columns"], ["task"])
+        numbers = {row["task"]: row["task_index"] for row in tasks["rows"]}
+        rows = [row for table in described for row in table["rows"]]
+        paths = [self.folder / info["data_path"].format(chunk_index=row["data/chunk_index"], file_index=row["data/file_index"])
+                 for row in rows]
+        start = 0
+        for episode, (row, data) in enumerate(zip(rows, self.read(*paths), strict=True)):
+            frames = data["rows"]
+            self.assertEqual((row["episode_index"], row["length"], row["dataset_from_index"], row["dataset_to_index"]),
+                             (episode, 4 + episode, start, start + len(frames)))
+            self.assertEqual(set(frames[0]), set(info["features"]))
+            self.assertEqual([frame["index"] for frame in frames], list(range(start, start + len(frames))))
+            self.assertEqual({frame["task_index"] for frame in frames}, {numbers[row["tasks"][0]]})
+            self.assertEqual([frame["action"] for frame in frames], [[k + 0.5, -episode] for k in range(len(frames))])
+            self.assertEqual([frame["one"] for frame in frames], list(range(len(frames))))
+            picture = bytes.fromhex(frames[1]["observation.images.front"]["bytes"]["hex"])
+            self.assertEqual(picture, png(np.full((4, 6, 3), 1, np.uint8)))
+            self.assertEqual(row["stats/action/max"], [len(frames) - 0.5, -episode])
+            start += len(frames)
+        self.assertEqual((len(rows), start), (info["total_episodes"], info["total_frames"]))
 
 
 class DataSets(InAFolder):
@@ -241,7 +301,16 @@ class DataSets(InAFolder):
         self.assertEqual(out.check(), [])
         out.drop(0)
         self.assertEqual(DataSet.open(self.folder).check(), [])
-        self.assertTrue((self.folder / "videos/observation.images.front/chunk-000/file-000.mp4").exists())
+        video = self.folder / "videos/observation.images.front/chunk-000/file-000.mp4"
+        probed = subprocess.run(["ffprobe", "-v", "error", "-of", "json", "-show_streams", "-count_frames", str(video)],
+                                capture_output=True, text=True, check=True)
+        stream, = json.loads(probed.stdout)["streams"]
+        info = out.features["observation.images.front"]["info"]
+        self.assertEqual([stream[key] for key in ("height", "width", "codec_name", "pix_fmt", "r_frame_rate", "nb_read_frames")],
+                         [info["video.height"], info["video.width"], info["video.codec"], info["video.pix_fmt"],
+                          f"{info['video.fps']}/1", "12"])
+        with self.assertRaisesRegex(ValueError, "49 x 64 pixels"):
+            DataSet.create(self.folder.parent / "odd", {"observation.images.front": (49, 64)}, fps=10, video=True)
 
     def test_the_command_lists_checks_and_drops(self):
         self.filled()
