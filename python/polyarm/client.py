@@ -71,7 +71,11 @@ async def connect(to: str, name: str = "a Python program", fingerprint: str | No
             raise FileNotFoundError(errno.ENOENT, f"no cell {to!r} of this user runs (running: {names})", path) from None
     client = CellClient(channel)
     if "://" in to:
-        await client.session_hello(name=name)
+        try:
+            await client.session_hello(name=name)
+        except BaseException:
+            await client.close()
+            raise
     return client
 
 
@@ -130,7 +134,11 @@ class _WebSocket(_Channel):
         writer.write("\r\n".join([
             "GET /ws HTTP/1.1", f"Host: {parts.netloc}", "Upgrade: websocket", "Connection: Upgrade",
             "Sec-WebSocket-Version: 13", f"Sec-WebSocket-Key: {key}", f"Authorization: Bearer {tokens[0]}", "", ""]).encode())
-        head = (await reader.readuntil(b"\r\n\r\n")).decode()
+        try:
+            head = (await reader.readuntil(b"\r\n\r\n")).decode()
+        except (asyncio.IncompleteReadError, asyncio.LimitOverrunError, UnicodeDecodeError):
+            writer.close()
+            raise Closed(f"{parts.netloc} does not answer as a pendant: copy the whole link, with http or https as printed") from None
         expected = base64.b64encode(hashlib.sha1((key + "258EAFA5-E914-47DA-95CA-C5AB0DC85B11").encode()).digest()).decode()
         if " 101 " not in head.split("\r\n")[0] or expected not in head:
             writer.close()
@@ -337,9 +345,14 @@ class CellClient(Requests):
         if self._closed is not None:
             raise self._closed
         number, box = next(self._ids), _Mailbox()
-        self._answers[number] = box
         given = {key: value for key, value in arguments.items() if value is not None}
-        await self._channel.send(json.dumps({"request": request, "id": number, **given}))
+        line = json.dumps({"request": request, "id": number, **given}, allow_nan=False, default=_plain)
+        self._answers[number] = box
+        try:
+            await self._channel.send(line)
+        except BaseException:
+            del self._answers[number]
+            raise
         return number, box
 
     async def _read(self) -> None:
@@ -373,6 +386,13 @@ class CellClient(Requests):
         count = min(len(self._fields), (len(frame) - 16) // 4)
         values = struct.unpack_from(f"<{count}f", frame, 16)
         return {"time": struct.unpack_from("<d", frame, 8)[0], **dict(zip(self._fields, values))}
+
+
+def _plain(value: Any) -> Any:
+    """NumPy values as JSON."""
+    if hasattr(value, "tolist"):
+        return value.tolist()
+    raise TypeError(f"{type(value).__name__} has no form in JSON")
 
 
 def _result(answer: dict[str, Any]) -> Any:

@@ -154,6 +154,31 @@ class Running(unittest.IsolatedAsyncioTestCase):
         with self.assertRaises(ValueError):
             await connect(self.link.split("?")[0])
 
+    async def test_numbers_that_json_does_not_have_are_refused_before_they_are_sent(self):
+        async with await connect("pick") as cell:
+            for value in (float("nan"), float("inf"), object()):
+                with self.assertRaises((ValueError, TypeError)):
+                    await asyncio.wait_for(cell.ask("tags.set", name="Vacuum", value=value), 10)
+            self.assertEqual((await cell.program())["state"], "ready")
+
+    async def test_numpy_values_are_sent_as_numbers(self):
+        import numpy as np
+        async with await connect("pick") as cell:
+            await cell.tags_set(name="Feed", value=np.float32(2))
+            self.assertEqual((await cell.tags_list(names=["Feed"]))["tags"][0]["value"], 2)
+
+    async def test_an_address_that_is_no_pendant_is_named(self):
+        for answer in (b"", b"SSH-2.0\r\n", b"\xff\r\n\r\n", b"HTTP/1.1 200 OK\r\n\r\n"):
+            async def other(reader, writer, answer=answer):
+                await reader.readuntil(b"\r\n\r\n")
+                writer.write(answer)
+                writer.close()
+
+            async with await asyncio.start_server(other, "127.0.0.1", 0) as server:
+                port = server.sockets[0].getsockname()[1]
+                with self.assertRaisesRegex(Closed, f"127.0.0.1:{port} does not|refuses"):
+                    await asyncio.wait_for(connect(f"http://127.0.0.1:{port}/?token=x"), 10)
+
     async def test_the_example_of_the_page_runs(self):
         page = (SOURCE / "docs/python.md").read_text()
         code = re.search(r"^```python run=client\n(.*?)^```", page, re.M | re.S).group(1)
