@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 #include <malloc.h>
+#include <unistd.h>
 
 #include <chrono>
 #include <cstdio>
@@ -8,6 +9,7 @@
 #include <string>
 #include <system_error>
 
+#include "apps/journal.hpp"
 #include "apps/reach.hpp"
 #include "apps/terminal.hpp"
 #include "apps/verb.hpp"
@@ -97,8 +99,8 @@ int unknown_verb(const std::string& wrong) {
 }
 
 /// Standard error may be closed; this must not change the exit code.
-void complain(const std::string& text) {
-  std::fputs(text.c_str(), stderr);
+void complain(const std::string& text, Priority priority = Priority::error) {
+  std::fputs((leads_to_journal(STDERR_FILENO) ? for_journal(text, priority) : text).c_str(), stderr);
 }
 
 }  // namespace
@@ -123,10 +125,12 @@ int main(int argc, char** argv) {
     static auto last = std::chrono::steady_clock::now();
     const auto now = std::chrono::steady_clock::now();
     if (made == 0)
-      complain(fmt::format("computing bodies of {} mesh{} for the detection of contacts; stored for later runs\n",
-                           meshes, meshes == 1 ? "" : "es"));
+      complain(
+          fmt::format("computing bodies of {} mesh{} for the detection of contacts; stored for later runs\n",
+                      meshes, meshes == 1 ? "" : "es"),
+          apps::Priority::info);
     else if (made < meshes && now - last >= kBetween)
-      complain(fmt::format("  {} of {} are computed\n", made, meshes));
+      complain(fmt::format("  {} of {} are computed\n", made, meshes), apps::Priority::info);
     else
       return;
     last = now;

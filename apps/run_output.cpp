@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 #include <utility>
 
+#include "apps/journal.hpp"
 #include "polyarm/base/printable.hpp"
 #include "polyarm/base/printer.hpp"
 #include "polyarm/base/secrets.hpp"
@@ -22,36 +23,62 @@ Printer::Full when_full(bool whole) {
   return whole ? Printer::Full::waits : Printer::Full::leaves_out;
 }
 
+Priority priority_of(const Problem& problem) {
+  return problem.severity == Severity::error ? Priority::error : Priority::warning;
+}
+Priority priority_of_state(const std::string& state) {
+  return state == "fault" ? Priority::error : Priority::notice;
+}
+
+/// Lines of standard output; they carry priorities if it leads to the journal.
+class Lines {
+ public:
+  Lines(bool whole, const Printer::Gap& gap)
+      : journal_(leads_to_journal(STDOUT_FILENO)),
+        printer_(STDOUT_FILENO, when_full(whole), [gap, journal = journal_](std::size_t count) {
+          return journal ? for_journal(gap(count), Priority::warning) : gap(count);
+        }) {
+    printer_.when_gone(cell::request_stop_once);
+  }
+  void put(const std::string& text, Priority priority) {
+    printer_.put(journal_ ? for_journal(text, priority) : text);
+  }
+  /// Text that is not a line, for a terminal.
+  void draw(const std::string& text) { printer_.put(text); }
+  bool settle() { return printer_.settle() && !printer_.gone(); }
+
+ private:
+  const bool journal_;
+  Printer printer_;
+};
+
 /// Lines scroll; on a terminal one status line (time, pose) stays at the bottom.
 class TextOutput : public Output {
  public:
   TextOutput(bool quiet, bool whole, bool typed)
-      : quiet_(quiet),
-        typed_(typed),
-        terminal_(::isatty(STDOUT_FILENO) != 0),
-        printer_(STDOUT_FILENO, when_full(whole), gap) {
-    printer_.when_gone(cell::request_stop_once);
-  }
-  ~TextOutput() override { printer_.put(cleared()); }
+      : quiet_(quiet), typed_(typed), terminal_(::isatty(STDOUT_FILENO) != 0), lines_(whole, gap) {}
+  ~TextOutput() override { lines_.draw(cleared()); }
   bool settle() override {
-    printer_.put(cleared());
-    return printer_.settle() && !printer_.gone();
+    lines_.draw(cleared());
+    return lines_.settle();
   }
 
   void on_note(const std::string& text) override { line("         " + text); }
   void on_line(Nanoseconds time, const std::string& task, const Location& where,
                const std::string& source) override {
     if (quiet_ || task != "program") return;
-    line(fmt::format("{:8.3f} {:>4} │ {}", seconds(time), where.line, shortened(source)));
+    line(fmt::format("{:8.3f} {:>4} │ {}", seconds(time), where.line, shortened(source)), Priority::debug);
   }
   void on_tag(Nanoseconds time, const std::string& name, const std::string& value,
               const std::string& who) override {
     if (quiet_) return;
     const cell::TagRate::Verdict verdict = tags_.look(time, name);
     if (verdict.left_out > 0)
-      line(fmt::format("{:8.3f}      │      {}: {} more changes", seconds(time), name, verdict.left_out));
+      line(fmt::format("{:8.3f}      │      {}: {} more changes", seconds(time), name, verdict.left_out),
+           Priority::debug);
     if (verdict.shown)
-      line(fmt::format("{:8.3f}      │      {} = {}  ({})", seconds(time), name, shortened(value), who));
+      line(fmt::format("{:8.3f}      │      {} = {}  ({})", seconds(time), name, shortened(value), who),
+           Priority::debug);
   }
   void on_log(Nanoseconds time, const std::string& task, const std::string& text) override {
     line(fmt::format("{:8.3f}      │ {}: {}", seconds(time), task, text));
@@ -60,19 +87,22 @@ class TextOutput : public Output {
     line(fmt::format("{:8.3f}  {}{}{}", seconds(time), state, state == "running" ? "" : ": " + cause.what,
                      typed_ && state == "held" && cause.code != "run-failed"
                          ? "  (type resume, back, discard or stop)"
-                         : ""));
+                         : ""),
+         priority_of_state(state));
   }
   void on_stop(Nanoseconds time, const cell::StopReport& stop) override {
-    line(fmt::format("{:8.3f}  {}", seconds(time), stop.sentence()));
+    line(fmt::format("{:8.3f}  {}", seconds(time), stop.sentence()), Priority::notice);
   }
-  void on_question(const std::string& text) override { line("?        " + text); }
-  void on_problem(Nanoseconds, const Problem& problem) override { line(problem.text()); }
+  void on_question(const std::string& text) override { line("?        " + text, Priority::notice); }
+  void on_problem(Nanoseconds, const Problem& problem) override {
+    line(problem.text(), priority_of(problem));
+  }
   void on_pose(Nanoseconds time, const std::string& robot, const Pose& tcp) override {
     if (!terminal_ || quiet_) return;
     const Vec3 rpy = to_rpy(tcp.rotation);
-    printer_.put(fmt::format("\r\033[K{:8.3f} {}  TCP {:+.3f} {:+.3f} {:+.3f} m  rpy {:+.2f} {:+.2f} {:+.2f}",
-                             seconds(time), printable(robot), tcp.position.x, tcp.position.y, tcp.position.z,
-                             rpy.x, rpy.y, rpy.z));
+    lines_.draw(fmt::format("\r\033[K{:8.3f} {}  TCP {:+.3f} {:+.3f} {:+.3f} m  rpy {:+.2f} {:+.2f} {:+.2f}",
+                            seconds(time), printable(robot), tcp.position.x, tcp.position.y, tcp.position.z,
+                            rpy.x, rpy.y, rpy.z));
     status_ = true;
   }
 
@@ -81,18 +111,18 @@ class TextOutput : public Output {
     return fmt::format("         {} lines are omitted: this output was not read\n", count);
   }
   const char* cleared() { return std::exchange(status_, false) ? "\r\033[K" : ""; }
-  void line(const std::string& text) { printer_.put(cleared() + printable(text) + "\n"); }
+  void line(const std::string& text, Priority priority = Priority::info) {
+    lines_.put(cleared() + printable(text) + "\n", priority);
+  }
   bool quiet_, typed_, terminal_, status_ = false;
   cell::TagRate tags_;
-  Printer printer_;
+  Lines lines_;
 };
 
 class JsonOutput : public Output {
  public:
-  explicit JsonOutput(bool whole) : printer_(STDOUT_FILENO, when_full(whole), gap) {
-    printer_.when_gone(cell::request_stop_once);
-  }
-  bool settle() override { return printer_.settle() && !printer_.gone(); }
+  explicit JsonOutput(bool whole) : lines_(whole, gap) {}
+  bool settle() override { return lines_.settle(); }
   /// Removes the pendant's token, because logs of programs are kept and shared.
   void on_note(const std::string& text) override {
     put({{"event", "note"}, {"text", without_secrets(text)}});
@@ -104,14 +134,17 @@ class JsonOutput : public Output {
     line_task_ = task;
     line_file_ = where.file;
     line_source_ = source;
-    put(line_event_);
+    put(line_event_, Priority::debug);
   }
   void on_tag(Nanoseconds t, const std::string& name, const std::string& value,
               const std::string& who) override {
     const cell::TagRate::Verdict verdict = tags_.look(t, name);
     if (verdict.left_out > 0)
-      put({{"event", "tag_left_out"}, {"time_s", seconds(t)}, {"name", name}, {"count", verdict.left_out}});
-    if (verdict.shown) put({{"event", "tag"}, {"time_s", seconds(t)}, {"name", name}, {"value", value}, {"by", who}});
+      put({{"event", "tag_left_out"}, {"time_s", seconds(t)}, {"name", name}, {"count", verdict.left_out}},
+          Priority::debug);
+    if (verdict.shown)
+      put({{"event", "tag"}, {"time_s", seconds(t)}, {"name", name}, {"value", value}, {"by", who}},
+          Priority::debug);
   }
   void on_log(Nanoseconds t, const std::string& task, const std::string& text) override {
     put({{"event", "log"}, {"time_s", seconds(t)}, {"task", task}, {"text", text}});
@@ -121,21 +154,25 @@ class JsonOutput : public Output {
          {"time_s", seconds(t)},
          {"state", state},
          {"cause", cause.what},
-         {"cause_code", cause.code}});
+         {"cause_code", cause.code}},
+        priority_of_state(state));
   }
   void on_stop(Nanoseconds t, const cell::StopReport& stop) override {
     json event = protocol::any_of(cell::facts_of(stop)).json();
     event["event"] = "stop";
-    put(event);
+    put(event, Priority::notice);
   }
-  void on_question(const std::string& text) override { put({{"event", "question"}, {"text", text}}); }
+  void on_question(const std::string& text) override {
+    put({{"event", "question"}, {"text", text}}, Priority::notice);
+  }
   void on_problem(Nanoseconds t, const Problem& p) override {
     put({{"event", "problem"},
          {"time_s", seconds(t)},
          {"code", p.code},
          {"where", p.where.text()},
          {"text", p.what},
-         {"severity", p.severity == Severity::error ? "error" : "warning"}});
+         {"severity", p.severity == Severity::error ? "error" : "warning"}},
+        priority_of(p));
   }
   void on_pose(Nanoseconds t, const std::string& robot, const Pose& tcp) override {
     if (t - last_ < 1'000'000'000) return;
@@ -144,7 +181,8 @@ class JsonOutput : public Output {
          {"time_s", seconds(t)},
          {"robot", robot},
          {"xyz", {tcp.position.x, tcp.position.y, tcp.position.z}},
-         {"quaternion", {tcp.rotation.x, tcp.rotation.y, tcp.rotation.z, tcp.rotation.w}}});
+         {"quaternion", {tcp.rotation.x, tcp.rotation.y, tcp.rotation.z, tcp.rotation.w}}},
+        Priority::debug);
   }
 
  private:
@@ -157,8 +195,8 @@ class JsonOutput : public Output {
     return line(
         {{"event", "note"}, {"text", fmt::format("{} lines are omitted: they were not read", count)}});
   }
-  void put(const json& object) { printer_.put(line(object)); }
-  Printer printer_;
+  void put(const json& object, Priority priority = Priority::info) { lines_.put(line(object), priority); }
+  Lines lines_;
   cell::TagRate tags_;
   Nanoseconds last_ = -1'000'000'000;
   // The commonest event is made once and filled in place.
