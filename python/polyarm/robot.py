@@ -78,18 +78,28 @@ class Robot:
         One pose: raises Error ("unreachable", "limits", ...) with the reason. Many poses, shape (..., 4, 4): a row of
         NaN where there is no solution. `seed`: one state for all, or one for each.
         """
-        target = np.asarray(target, float)
+        targets, shape = self._poses(target)
         seeds, _ = self._rows(self.home if seed is None else seed)
-        found, outcomes = self._robot.solve(target.reshape((-1, 4, 4)), seeds)
-        if target.ndim == 2 and outcomes[0] != "solved":
-            code, reason = self._robot.explain(target.reshape((1, 4, 4)), seeds)
+        found, outcomes = self._robot.solve(targets, seeds)
+        if shape == () and outcomes[0] != "solved":
+            code, reason = self._robot.explain(targets, seeds)
             raise Error([{"code": outcomes[0], "what": reason or code, "advice": "", "where": "", "severity": "error"}])
-        return found.reshape(target.shape[:-2] + (self.joints,))
+        return found.reshape(shape + (self.joints,))
 
     def ik_all(self, target, seed=None):
         """Every branch within limits that reaches one pose, nearest to `seed` first: shape (solutions, joints)."""
+        targets, shape = self._poses(target)
+        if shape != ():
+            raise ValueError(f"ik_all takes one pose of 4 x 4 numbers, not the shape {np.shape(target)}")
         seeds, _ = self._rows(self.home if seed is None else seed)
-        return self._robot.solve_all(np.asarray(target, float).reshape((1, 4, 4)), seeds)
+        return self._robot.solve_all(targets, seeds)
+
+    @staticmethod
+    def _poses(target):
+        target = np.asarray(target, float)
+        if target.shape[-2:] != (4, 4):
+            raise ValueError(f"a pose has 4 x 4 numbers, not the shape {target.shape}")
+        return target.reshape((-1, 4, 4)), target.shape[:-2]
 
     def _rows(self, q):
         q = np.asarray(q, float)

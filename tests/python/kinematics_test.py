@@ -112,8 +112,12 @@ class Mistakes(unittest.TestCase):
         for shape in ((5,), (7,), (2, 5), ()):
             with self.assertRaises(ValueError):
                 arm.fk(np.zeros(shape))
-        with self.assertRaises(ValueError):
-            arm.ik(np.zeros((3, 3)))
+        for shape in ((3, 3), (16,), (2, 8), (4, 8), (2, 4, 2), ()):  # some have as many numbers as poses
+            for solve in (arm.ik, arm.ik_all):
+                with self.assertRaisesRegex(ValueError, "a pose has 4 x 4 numbers"):
+                    solve(np.resize(np.eye(4), shape))
+        with self.assertRaisesRegex(ValueError, "one pose"):
+            arm.ik_all(np.tile(np.eye(4), (2, 1, 1)))
         self.refused("wrong-size", lambda: arm.ik(np.tile(np.eye(4), (3, 1, 1)), seed=np.zeros((2, 6))))
         self.refused("malformed", lambda: arm.ik(polyarm.pose((0.4, 0, 0.3)), seed=np.full(6, np.nan)))
 
