@@ -11,6 +11,8 @@ from .errors import Error
 
 Event = namedtuple("Event", "time kind text where")
 
+_PIECE = 1000  # cycles
+
 
 class Cell:
     """A whole cell in lock-step: robots, controllers, scene, PLC and program.
@@ -53,7 +55,10 @@ class Cell:
             raise ValueError("cycles is negative")
         if cycles != int(cycles):
             raise ValueError(f"{cycles} cycles: a whole number was expected; run(seconds) takes a time")
-        self._cell.step(int(cycles))
+        left = int(cycles)
+        while left > 0:  # in pieces, so that Ctrl-C ends a long run
+            self._cell.step(min(left, _PIECE))
+            left -= _PIECE
         self._raise_failure()
 
     def run(self, seconds):

@@ -1,6 +1,8 @@
 """Cells in lock-step: repeatable, several at once, told apart by their codes when they fail."""
 import concurrent.futures
 import multiprocessing
+import signal
+import threading
 import unittest
 
 import numpy as np
@@ -102,6 +104,21 @@ class Cells(unittest.TestCase):
                 self.assertEqual(len(cell.states()), len(cell.state_names))
                 cell.events()
             stepping.result()
+
+    def test_ctrl_c_ends_a_long_run(self):
+        cell = self.cell(forward_cell(self))
+
+        def interrupt():
+            while cell.time < 1:
+                pass
+            signal.pthread_kill(threading.main_thread().ident, signal.SIGINT)
+
+        with concurrent.futures.ThreadPoolExecutor(1) as pool:
+            interrupting = pool.submit(interrupt)
+            with self.assertRaises(KeyboardInterrupt):
+                cell.step(50_000_000)
+            interrupting.result()
+        self.assertLess(cell.time, 50_000_000 * cell.period)
 
     def test_a_reset_that_fails_leaves_a_cell_that_says_so(self):
         path = forward_cell(self)
