@@ -80,6 +80,7 @@ struct Check {
     for (const Package* each : providers) {
       take_messages(*each);
       take_made(*each);
+      take_installed(*each);
       for (const fs::path& file : sources_of(*each)) take_own(*each, file);
     }
     take_folders_beside();
@@ -174,7 +175,8 @@ struct Check {
     for (const std::string& value : found->second) {
       if (out.size() >= kMostMeanings) break;
       if (value.find(found->first) != std::string::npos) continue;  // set(X ${X} more)
-      for (std::string& each : meanings(word.substr(0, at) + value + word.substr(end + 1), variables, depth + 1))
+      for (std::string& each :
+           meanings(word.substr(0, at) + value + word.substr(end + 1), variables, depth + 1))
         out.push_back(std::move(each));
     }
     return out.empty() ? std::vector<std::string>{word} : out;
@@ -209,6 +211,29 @@ struct Check {
       const std::string name = fs::path(words[1]).filename().string();
       own.emplace(name, "");
       own.emplace(from.name + "/" + name, "");
+    }
+  }
+  /// Headers that the build file installs below include under another path than their own.
+  void take_installed(const Package& from) {
+    std::error_code error;
+    if (!fs::exists(from.folder / "CMakeLists.txt", error)) return;
+    const std::string text = read_file(from.folder / "CMakeLists.txt", kLargestSource);
+    for (const std::vector<std::string>& words : calls(text, "install")) {
+      const auto to = std::find(words.begin(), words.end(), "DESTINATION");
+      if (to == words.end() || to + 1 == words.end() || !(to + 1)->starts_with("include/")) continue;
+      std::string below = (to + 1)->substr(std::string_view("include/").size());
+      if (const auto at = below.find("${PROJECT_NAME}"); at != std::string::npos)
+        below.replace(at, std::string_view("${PROJECT_NAME}").size(), from.name);
+      if (words[0] != "DIRECTORY") continue;
+      for (auto word = words.begin() + 1; word != to; ++word) {
+        Package part = from;
+        part.folder = from.folder / *word;
+        if (!fs::is_directory(part.folder, error)) continue;
+        // With a slash at its end the folder's content is installed, otherwise the folder itself.
+        const fs::path whole = word->ends_with("/") ? fs::path(below) : fs::path(below) / *word;
+        for (const fs::path& file : sources_of(part))
+          own.emplace((whole / file.lexically_relative(part.folder)).lexically_normal().string(), file);
+      }
     }
   }
   /// Headers that the build makes of the package's interfaces.

@@ -204,8 +204,8 @@ struct Writer {
     out += "  using UniquePtr = std::unique_ptr<" + made.name + ">;\n";
     for (const Member& m : made.members)
       if (m.constant)
-        out += (m.type == "std::string" ? "  static inline const " : "  static constexpr ") + m.type + " " +
-               m.name + " = " + m.initial + ";\n";
+        out += (m.type.ends_with("string") ? "  static inline const " : "  static constexpr ") + m.type +
+               " " + m.name + " = " + m.initial + ";\n";
     std::string equal, setters;
     for (const Member& m : made.members)
       if (!m.constant) {

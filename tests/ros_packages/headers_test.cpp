@@ -158,6 +158,8 @@ TEST(SmallHelpers, DoWhatTheirNamesSay) {
   EXPECT_THROW(rcpputils::require_true(false), std::invalid_argument);
   EXPECT_EQ(RCUTILS_S_TO_NS(2), 2'000'000'000);
   EXPECT_EQ(RCUTILS_NS_TO_MS(3'500'000), 3);
+  EXPECT_EQ(RCUTILS_S_TO_NS(0.5), 5e8);
+  EXPECT_EQ(RCUTILS_NS_TO_S(5e8), 0.5);
   EXPECT_NEAR(tf2Radians(180), M_PI, 1e-15);
   EXPECT_EQ(tf2Acos(1 + 1e-12), 0);
 }

@@ -35,8 +35,9 @@ TEST(Packages, OfAWorkspaceAreFoundBesideIgnoredAndBuiltOnes) {
 
 TEST(Packages, MayHaveALicenceInFrontOfAnInstruction) {
   const test::Folder place;
-  place.write("a/package.xml",
-              "<?xml version=\"1.0\"?>\n<!-- a licence -->\n<?xml-model href=\"format3.xsd\"?>\n" + manifest("a"));
+  place.write(
+      "a/package.xml",
+      "<?xml version=\"1.0\"?>\n<!-- a licence -->\n<?xml-model href=\"format3.xsd\"?>\n" + manifest("a"));
   EXPECT_EQ(read_package(place.path() / "a/package.xml").name, "a");
 }
 
@@ -165,11 +166,12 @@ TEST(Interfaces, HaveTheDefaultsOfArraysAndOfBoundedTexts) {
                    "msg",
                    "Start",
                    "float64[3] way [1, 2.5, -3]\nbool[] on [true, False]\nstring[] who [\"a, b\", 'c']\n"
-                   "string<=5 mode \"fast\"\nwstring sign \"x\"\nuint8[] none []\n",
+                   "string<=5 mode \"fast\"\nwstring sign \"x\"\nuint8[] none []\nwstring MARK=\"y\"\n",
                    {}});
   for (const char* part : {"std::array<double, 3> way{1, 2.5, -3};", "std::vector<bool> on{true, false};",
                            "std::vector<std::string> who{\"a, b\", \"c\"};", "std::string mode{\"fast\"};",
-                           "std::u16string sign{u\"x\"};", "std::vector<std::uint8_t> none{};"})
+                           "std::u16string sign{u\"x\"};", "std::vector<std::uint8_t> none{};",
+                           "static inline const std::u16string MARK = u\"y\";"})
     EXPECT_NE(code.find(part), std::string::npos) << part << "\n" << code;
   EXPECT_THROW(header_code({"acme", "msg", "Start", "float64[2] way 1, 2\n", {}}), Error);
   EXPECT_THROW(header_code({"acme", "msg", "Start", "float64[2] way [1, f()]\n", {}}), Error);

@@ -127,8 +127,14 @@ class QoS {
     return polyarm_transient_local() ? DurabilityPolicy::TransientLocal : DurabilityPolicy::Volatile;
   }
   LivelinessPolicy liveliness() const {
-    return profile_.liveliness == RMW_QOS_POLICY_LIVELINESS_MANUAL_BY_TOPIC ? LivelinessPolicy::ManualByTopic
-                                                                            : LivelinessPolicy::Automatic;
+    switch (profile_.liveliness) {
+      case RMW_QOS_POLICY_LIVELINESS_MANUAL_BY_TOPIC:
+        return LivelinessPolicy::ManualByTopic;
+      case RMW_QOS_POLICY_LIVELINESS_AUTOMATIC:
+        return LivelinessPolicy::Automatic;
+      default:
+        return LivelinessPolicy::SystemDefault;
+    }
   }
   Duration deadline() const { return span_of(profile_.deadline); }
   Duration lifespan() const { return span_of(profile_.lifespan); }
