@@ -4,7 +4,7 @@ import { go, picture } from './browser.mjs';
 import { until } from './cell.mjs';
 import { suite } from './suite.mjs';
 
-const { at, test, arrive, atRest, endProgram, holdKey } = suite({ example: 'carrier' });
+const { at, test, arrive, atRest, endProgram, holdKey } = suite({ example: 'carrier', chain: true });
 let page;
 const main = () => page.getByRole('main');
 const button = (name, on = page) => on.getByRole('button', { name, exact: true });

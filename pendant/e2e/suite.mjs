@@ -99,11 +99,12 @@ export function suite({ example = 'pick_and_place', options = [], change = () =>
   const endProgram = async () => {
     await at.page.getByRole('navigation', { name: 'Pages' }).getByRole('link', { name: 'Run' }).click();
     await at.page.getByRole('button', { name: /^(End program|Start)$/ }).first().waitFor();
-    if (!at.watcher.events.status?.program?.ended) {
-      await at.page.getByRole('button', { name: 'End program' }).click();
-      await at.page.getByRole('dialog').getByRole('button', { name: 'End program' }).click();
-      await until(() => at.watcher.events.status?.program?.ended, 30, 'the end of the program');
-    }
+    const ended = () => at.watcher.events.status?.program?.ended;
+    const button = (on) => on.getByRole('button', { name: 'End program' });
+    // It may end by itself meanwhile, and takes its key along.
+    const press = (on) => button(on).click({ timeout: 10_000 }).then(() => true, () => false);
+    const end = async () => (await press(at.page)) && (await press(at.page.getByRole('dialog'))) && until(ended, 30, 'its end');
+    await until(async () => ended() || end(), 90, 'the end of the program');
     await atRest();
   };
   return { at, test, arrive, atRest, endProgram, hold, holdKey };
