@@ -1,5 +1,5 @@
 # Files that go into the kit for plugins one by one (sdk.cmake) stand alone.
-set(POLYARM_ROOMS_TOGETHER yaml xacro catalogue language vm launch joint_control wheels broadcasters io setup machine tasks operation inside requests cell control controllers data doctor hardware meshes messages plugins program realtime
+set(POLYARM_ROOMS_TOGETHER yaml xacro calibration catalogue language vm launch joint_control wheels broadcasters io setup machine tasks operation inside requests cell control controllers data doctor hardware meshes messages plugins program realtime
     server signals sweeps users fleet apps description recording ros2 ros_files paths timing trajectory)
 # Test programs: so many files at a time, in all but these (whose files include headers with ROS's names).
 set(POLYARM_TESTS_AT_A_TIME 10)
@@ -60,7 +60,7 @@ set(POLYARM_RECKONING_TESTS simd shapes kinematics closed_form descent ik paths 
 set(POLYARM_CELL_TESTS cell sweeps live plugins links recording ros2 scenario server)
 set(test_options "")
 set(reckoning_test_options "")
-if(CMAKE_BUILD_TYPE STREQUAL "Release" AND NOT POLYARM_SANITIZE)
+if(CMAKE_BUILD_TYPE STREQUAL "Release" OR POLYARM_SANITIZE)
   set(test_options -O0 -U_FORTIFY_SOURCE)  # which needs an optimizer
   set(reckoning_test_options -O1)
 endif()
