@@ -105,7 +105,7 @@ class LockStepCell {
   std::string ask(const std::string& request, const std::string& id, bool follow, double patience) {
     const std::lock_guard lock(mutex_);
     auto answer = std::make_shared<Answer>();
-    cell_->requests().handle(
+    the_cell().requests().handle(
         request,
         [answer](const std::string& line) {
           answer->more = line.find("\"more\":true") != std::string::npos;
@@ -174,14 +174,15 @@ class LockStepCell {
   void step_once() {
     if (loop().cycle().time >= next_tick_) {
       next_tick_ = loop().cycle().time + cell::Cell::kTick;
-      cell_->tick(loop().cycle().time);
+      the_cell().tick(loop().cycle().time);
     }
     loop().step_next();
   }
-  cell::CellInside& inside() const {
+  cell::Cell& the_cell() const {
     if (!cell_) throw Error("no-cell", "the cell could not be built anew", "make another Cell");
-    return cell::inside_of(*cell_);
+    return *cell_;
   }
+  cell::CellInside& inside() const { return cell::inside_of(the_cell()); }
   control::ControlLoop& loop() const { return inside().machine.loop(); }
   const hardware::InterfaceTable& table() const { return loop().table(); }
   static std::vector<std::string> named(const std::vector<std::string>& names, std::size_t count) {

@@ -124,7 +124,7 @@ class Cells(unittest.TestCase):
         path = forward_cell(self)
         cell = self.cell(path)
         path.write_text("polyarm: cell/1\nrobots: {arm: {model: nothing/nowhere}}\n")
-        for call in (cell.reset, cell.step, cell.states):
+        for call in (cell.reset, cell.step, cell.states, lambda: cell.time, lambda: cell.ask("program")):
             with self.assertRaises(polyarm.Error):
                 call()
 
