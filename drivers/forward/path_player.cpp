@@ -280,7 +280,9 @@ void PathPlayer::step(double dt) {
   const double most = std::sqrt((1 - share) * part_.limit[k - 1] * part_.limit[k - 1] +
                                 share * part_.limit[k] * part_.limit[k]);
   speed_ = std::max(std::min(speed_ + change, most), speed_ - kHardBraking * change);
-  way_ += std::max(speed_, change) * time;
+  // Never so slow that it does not arrive.
+  const double cruise = std::max(part_.limit[k - 1], part_.limit[k]);
+  way_ += std::max(speed_, cruise > 0 ? std::min(change, cruise) : change) * time;
   if (way_ >= part_.length()) {
     arm_.follow(part_.q.back());
     return end_part();
