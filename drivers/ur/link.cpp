@@ -324,12 +324,11 @@ void Link::judge_program(Nanoseconds now) {
 /// paused, by a person or by a stop that is lifted later. One that came to its end leaves the slider to other
 /// programs.
 void Link::end_at_the_controller() {
-  if (!moves_) return;
   constexpr Cause kGoesOn[] = {Cause::program_paused, Cause::not_reading, Cause::protective_stop,
                                Cause::safeguard_stop};
   if (std::ranges::find(kGoesOn, fault_.cause()) != std::end(kGoesOn))
     wire::send_frame(primary_.number(), "stop program\n");
-  if (fault_ || stream_ || inputs_.types.empty() || !rtde_ || !slider_before_) return;
+  if (!moves_ || fault_ || stream_ || inputs_.types.empty() || !rtde_ || !slider_before_) return;
   moves_->leave_slider(*slider_before_);
   slider_before_.reset();
   send_outputs();
