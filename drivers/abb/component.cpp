@@ -5,9 +5,9 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numbers>
 #include <set>
 
+#include "drivers/wire/six_axes.hpp"
 #include "polyarm/base/error.hpp"
 #include "polyarm/base/file.hpp"
 #include "polyarm/base/secrets.hpp"
@@ -20,7 +20,7 @@ using hardware::ReturnType;
 
 namespace {
 
-constexpr double kDegrees = 180 / std::numbers::pi, kNaN = std::numeric_limits<double>::quiet_NaN();
+constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 // The controller judges no acceleration or jerk of EGM; these shares of the description's limits are for
 // braking, and for commands that jump.
 constexpr wire::LimitShares kLimits{
@@ -146,7 +146,7 @@ CallbackReturn AbbComponent::on_init(const hardware::ComponentContext& context) 
   p.problems().throw_if_errors();
   robot_ = context.robots.front().name;
   settings_.limits =
-      wire::stream_limits<6>(context.robots.front(), joints_, p.number("max_speed"), kLimits, kDegrees);
+      wire::stream_limits<6>(context.robots.front(), joints_, p.number("max_speed"), kLimits, wire::kDegrees);
   http.password = password_of(p.text("password_file"));
   settings_.inputs = signals_of("digital_in", p.text("digital_in"));
   settings_.outputs = signals_of("digital_out", p.text("digital_out"));

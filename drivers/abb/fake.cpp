@@ -1,8 +1,8 @@
 #include "drivers/abb/fake.hpp"
 
 #include <cmath>
-#include <numbers>
 
+#include "drivers/wire/six_axes.hpp"
 #include "polyarm/base/error.hpp"
 #include "polyarm/base/text.hpp"
 
@@ -12,7 +12,6 @@ using hardware::CallbackReturn;
 
 namespace {
 
-constexpr double kDegrees = 180 / std::numbers::pi;
 constexpr Nanoseconds kAnswer = 50'000'000;
 constexpr std::uint64_t kServices = 12;  // cycles between two exchanges of signals: about 20 a second
 
@@ -27,7 +26,7 @@ std::pair<std::string, std::string> wire_of(const std::string& text) {
 MachineOptions machine_of(const hardware::RobotInstance& robot, Nanoseconds period) {
   MachineOptions out;
   if (robot.model) out.facts = facts_of(*robot.model);
-  out.start = wire::start_position(robot, out.start, kDegrees);
+  out.start = wire::start_position(robot, out.start, wire::kDegrees);
   const double ms = seconds(period) * 1000;
   out.rapid.sampling_ms = static_cast<int>(std::lround(ms));
   if (out.rapid.sampling_ms < 4 || out.rapid.sampling_ms % 4 != 0 ||

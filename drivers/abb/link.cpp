@@ -5,8 +5,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
+#include "drivers/wire/six_axes.hpp"
 #include "polyarm/base/bounds.hpp"
 #include "polyarm/realtime/periodic.hpp"
 
@@ -14,7 +14,6 @@ namespace polyarm::abb {
 
 namespace {
 
-constexpr double kRadians = std::numbers::pi / 180;
 constexpr Nanoseconds kLook = 20'000'000;    // between two judgements without an event
 constexpr Nanoseconds kEnd = 2'000'000'000;  // for a motion to end
 constexpr Nanoseconds kExplain = 1'000'000'000;  // for the controller to say why, beside its timeouts
@@ -39,7 +38,7 @@ Values values_of(const Six& joints) {
 
 void Link::command(bool move, const Six& joints) noexcept {
   Wanted wanted{move, samples_.value().count, {}};
-  for (std::size_t i = 0; i < 6; ++i) wanted.joints[i] = joints[i] / kRadians;
+  for (std::size_t i = 0; i < 6; ++i) wanted.joints[i] = joints[i] / wire::kRadians;
   commands_.write(wanted);
   wake();
 }
@@ -110,7 +109,7 @@ void Link::fill_sample(const EgmRobot& robot) {
   const EgmPosition& at = *robot.feedback;
   const std::uint32_t steps = fresh_ ? 0 : robot.header.sequence - current_.sequence;
   for (std::size_t i = 0; i < 6; ++i) {
-    const double q = (*at.joints)[i] * kRadians;
+    const double q = (*at.joints)[i] * wire::kRadians;
     current_.dq[i] = steps > 0 ? (q - current_.q[i]) * 1000 / (steps * settings_.sampling_ms) : 0;
     current_.q[i] = q;
   }
@@ -222,7 +221,7 @@ void Link::take_command(Nanoseconds now) {
   const Wanted& wanted = commands_.value();
   const Six next =
       wanted.move ? shaper_.next(wanted.joints, settings_.limits) : shaper_.brake(settings_.limits);
-  current_.behind = shaper_.behind() * kRadians;
+  current_.behind = shaper_.behind() * wire::kRadians;
   late_ = late_ && current_.behind > 0;
   current_.shaped = shaper_.shaped();
   send(next, shaper_.velocity());

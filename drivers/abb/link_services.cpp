@@ -1,16 +1,15 @@
 /// What a link does over Robot Web Services while it is open: states, signals, and why the robot stopped.
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 #include "drivers/abb/link.hpp"
+#include "drivers/wire/six_axes.hpp"
 #include "polyarm/realtime/periodic.hpp"
 
 namespace polyarm::abb {
 
 namespace {
 
-constexpr double kRadians = std::numbers::pi / 180;
 constexpr Nanoseconds kRound = 50'000'000, kAgain = 100'000'000;
 constexpr int kStateEvery = 4;    // rounds
 constexpr int kMostFailures = 3;  // in a row
@@ -53,7 +52,7 @@ bool Link::read_all() {
   if (phase_ != Phase::idle) return true;
   const auto joints = rws_.joints();
   if (!joints) return false;
-  for (std::size_t i = 0; i < 6; ++i) current_panel_.joints[i] = (*joints)[i] * kRadians;
+  for (std::size_t i = 0; i < 6; ++i) current_panel_.joints[i] = (*joints)[i] * wire::kRadians;
   return true;
 }
 

@@ -11,14 +11,13 @@ namespace polyarm::abb {
 
 namespace {
 
-constexpr double kDegrees = 180 / std::numbers::pi;
 constexpr double kStopRamp = 0.1;                   // s, of the safety system's stops
 constexpr double kConverged = 0.05, kStill = 1e-9;  // degrees; degrees/s
 
 }  // namespace
 
 MachineFacts facts_of(const description::RobotModel& model) {
-  const wire::AxisFacts axes = wire::axis_facts(model, "abb/irb_120", kDegrees);
+  const wire::AxisFacts axes = wire::axis_facts(model, "abb/irb_120", wire::kDegrees);
   MachineFacts out;
   out.model = axes.model;
   out.lower = axes.lower;
@@ -254,7 +253,7 @@ double Machine::utilization() const {
 Pose Machine::flange() const {
   if (!options_.facts.chain) return {};
   Six q;
-  for (std::size_t i = 0; i < 6; ++i) q[i] = q_[i] / kDegrees;
+  for (std::size_t i = 0; i < 6; ++i) q[i] = q_[i] / wire::kDegrees;
   return options_.facts.chain->forward(q);
 }
 

@@ -5,8 +5,8 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numbers>
 
+#include "drivers/wire/six_axes.hpp"
 #include "polyarm/base/error.hpp"
 #include "polyarm/base/text.hpp"
 
@@ -16,8 +16,6 @@ using hardware::CallbackReturn;
 using hardware::ReturnType;
 
 namespace {
-
-constexpr double kDegrees = 180 / std::numbers::pi;
 
 using hardware::DriverParameter;
 using enum hardware::ParameterKind;
@@ -67,7 +65,7 @@ constexpr const char* kControllerStates[] = {
 
 std::array<double, 7> pose_of(const Status& status) noexcept {
   const auto& p = status.pose;
-  const Quaternion q = from_rpy(p[3] / kDegrees, p[4] / kDegrees, p[5] / kDegrees);
+  const Quaternion q = from_rpy(p[3] / wire::kDegrees, p[4] / wire::kDegrees, p[5] / wire::kDegrees);
   return {p[0] / 1000, p[1] / 1000, p[2] / 1000, q.x, q.y, q.z, q.w};
 }
 
@@ -92,9 +90,9 @@ void FanucComponent::find_limits(const description::RobotModel& model) {
   for (std::size_t i = 0; i < 6; ++i)
     for (const description::Joint& joint : model.joints)
       if (joint.name == joints_[i]) {
-        described_[0][i] = joint.limits.velocity.value_or(0) * kDegrees;
-        described_[1][i] = joint.limits.acceleration.value_or(0) * kDegrees;
-        described_[2][i] = joint.limits.jerk.value_or(0) * kDegrees;
+        described_[0][i] = joint.limits.velocity.value_or(0) * wire::kDegrees;
+        described_[1][i] = joint.limits.acceleration.value_or(0) * wire::kDegrees;
+        described_[2][i] = joint.limits.jerk.value_or(0) * wire::kDegrees;
       }
 }
 

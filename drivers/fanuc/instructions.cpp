@@ -2,8 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <vector>
+
+#include "drivers/wire/six_axes.hpp"
 
 namespace polyarm::fanuc {
 
@@ -11,14 +12,13 @@ using hardware::ForwardMove;
 
 namespace {
 
-constexpr double kDegrees = 180 / std::numbers::pi;
 constexpr const char* kFlags[] = {"Front", "Up", "Left", "Flip", "Turn4", "Turn5", "Turn6"};
 using Pairs = std::vector<std::pair<const char*, double>>;
 
 Pairs pose_group(const Pose& pose, bool with_extra_axes) {
   const Vec3 wpr = to_rpy(pose.rotation);
   Pairs out{{"X", 1000 * pose.position.x}, {"Y", 1000 * pose.position.y}, {"Z", 1000 * pose.position.z},
-            {"W", wpr.x * kDegrees},       {"P", wpr.y * kDegrees},       {"R", wpr.z * kDegrees}};
+            {"W", wpr.x * wire::kDegrees}, {"P", wpr.y * wire::kDegrees}, {"R", wpr.z * wire::kDegrees}};
   if (with_extra_axes)
     for (const char* one : {"Ext1", "Ext2", "Ext3"}) out.emplace_back(one, 0);
   return out;
@@ -80,14 +80,14 @@ Pose tool_of(const ForwardMove& move, const InstructionFrame& frame) {
 
 Six rmi_joints(const Six& radians) {
   Six out;
-  for (std::size_t i = 0; i < 6; ++i) out[i] = radians[i] * kDegrees;
+  for (std::size_t i = 0; i < 6; ++i) out[i] = radians[i] * wire::kDegrees;
   out[2] -= out[1];
   return out;
 }
 
 Six radians_of(const Six& joints) {
   Six out;
-  for (std::size_t i = 0; i < 6; ++i) out[i] = joints[i] / kDegrees;
+  for (std::size_t i = 0; i < 6; ++i) out[i] = joints[i] / wire::kDegrees;
   out[2] += out[1];
   return out;
 }

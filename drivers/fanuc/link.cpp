@@ -5,15 +5,14 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
+#include "drivers/wire/six_axes.hpp"
 #include "polyarm/realtime/periodic.hpp"
 
 namespace polyarm::fanuc {
 
 namespace {
 
-constexpr double kRadians = std::numbers::pi / 180;
 constexpr Nanoseconds kLook = 20'000'000;       // between two judgements without an event
 constexpr Nanoseconds kAsk = 100'000'000;       // between two questions for the alarm
 constexpr Nanoseconds kSayWhy = 3'000'000'000;  // for the controller to say why it stopped
@@ -25,7 +24,7 @@ constexpr std::uint32_t kMostGap = 1000;        // packets; a larger gap is a ne
 
 void Link::command(bool move, const Six& joints) noexcept {
   Wanted wanted{move, samples_.value().status.sequence, {}};
-  for (std::size_t i = 0; i < 6; ++i) wanted.joints[i] = joints[i] / kRadians;
+  for (std::size_t i = 0; i < 6; ++i) wanted.joints[i] = joints[i] / wire::kRadians;
   commands_.write(wanted);
   wake();
 }
@@ -83,13 +82,14 @@ void Link::take_status(const Status& status, Nanoseconds now) {
     for (std::size_t i = 0; i < 3; ++i) way = std::hypot(way, status.pose[i] - current_.status.pose[i]);
     speed_ = way / dt;
     for (std::size_t i = 0; i < 6; ++i)
-      current_.dq[i] = (static_cast<double>(status.joints[i]) - current_.status.joints[i]) * kRadians / dt;
+      current_.dq[i] =
+          (static_cast<double>(status.joints[i]) - current_.status.joints[i]) * wire::kRadians / dt;
   } else {
     current_.dq = {};
     speed_ = 0;
   }
   current_.status = status;
-  for (std::size_t i = 0; i < 6; ++i) current_.q[i] = static_cast<double>(status.joints[i]) * kRadians;
+  for (std::size_t i = 0; i < 6; ++i) current_.q[i] = static_cast<double>(status.joints[i]) * wire::kRadians;
   ++current_.count;
   samples_.write(current_);
   begin_cycle();
@@ -123,7 +123,7 @@ void Link::take_command(Nanoseconds now) {
   const Wanted& wanted = commands_.value();
   const AxisLimits limits = limits_.at(speed_, settings_.load);
   const Six next = wanted.move ? shaper_.next(wanted.joints, limits) : shaper_.brake(limits);
-  current_.behind = shaper_.behind() * kRadians;
+  current_.behind = shaper_.behind() * wire::kRadians;
   current_.shaped = shaper_.shaped();
   send_next(next, true, false, current_.status.sequence);
   pacer_.sent();

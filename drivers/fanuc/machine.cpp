@@ -3,7 +3,6 @@
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 #include "drivers/wire/six_axes.hpp"
 
@@ -11,21 +10,20 @@ namespace polyarm::fanuc {
 
 namespace {
 
-constexpr double kDegrees = 180 / std::numbers::pi;
 constexpr double kStillSpeed = 0.01;                     // degrees/s
 constexpr double kReadyFalls = 0.3, kButtonShows = 0.5;  // s after an emergency stop
 constexpr double kSlowEnd = 0.6;  // of the limits of acceleration and jerk, at full Cartesian speed
 
 Six radians(const Six& degrees) {
   Six out;
-  for (std::size_t i = 0; i < 6; ++i) out[i] = degrees[i] / kDegrees;
+  for (std::size_t i = 0; i < 6; ++i) out[i] = degrees[i] / wire::kDegrees;
   return out;
 }
 
 }  // namespace
 
 MachineFacts facts_of(const description::RobotModel& model) {
-  const wire::AxisFacts axes = wire::axis_facts(model, "fanuc/crx_10ia_l", kDegrees);
+  const wire::AxisFacts axes = wire::axis_facts(model, "fanuc/crx_10ia_l", wire::kDegrees);
   MachineFacts out;
   out.model = axes.model;
   out.lower = axes.lower;
@@ -33,8 +31,8 @@ MachineFacts facts_of(const description::RobotModel& model) {
   out.velocity = axes.velocity;
   const auto joints = wire::six_revolute_joints(model, "fanuc/crx_10ia_l");
   for (std::size_t i = 0; i < 6; ++i) {
-    out.acceleration[i] = joints[i]->limits.acceleration.value_or(7) * kDegrees;
-    out.jerk[i] = joints[i]->limits.jerk.value_or(90) * kDegrees;
+    out.acceleration[i] = joints[i]->limits.acceleration.value_or(7) * wire::kDegrees;
+    out.jerk[i] = joints[i]->limits.jerk.value_or(90) * wire::kDegrees;
   }
   out.chain = std::make_shared<const kinematics::Chain>(model, axes.flange);
   out.world_height = out.chain->axes().at(1).point.z;
@@ -127,12 +125,12 @@ void Machine::set_output(int port, bool on) {
 std::array<double, 6> Machine::pose_values(const Pose& pose) {
   const Vec3 wpr = to_rpy(pose.rotation);
   return {1000 * pose.position.x, 1000 * pose.position.y, 1000 * pose.position.z,
-          wpr.x * kDegrees,       wpr.y * kDegrees,       wpr.z * kDegrees};
+          wpr.x * wire::kDegrees, wpr.y * wire::kDegrees, wpr.z * wire::kDegrees};
 }
 
 Pose Machine::pose_of(const std::array<double, 6>& v) {
   return {{v[0] / 1000, v[1] / 1000, v[2] / 1000},
-          from_rpy(v[3] / kDegrees, v[4] / kDegrees, v[5] / kDegrees)};
+          from_rpy(v[3] / wire::kDegrees, v[4] / wire::kDegrees, v[5] / wire::kDegrees)};
 }
 
 Pose Machine::flange(const Six& joints) const {
@@ -158,7 +156,7 @@ std::optional<Six> Machine::joints_for(const Pose& flange, const Six& seed) cons
     if (error.norm() < kClose) {
       Six out;
       for (std::size_t i = 0; i < 6; ++i) {
-        out[i] = q[i] * kDegrees;
+        out[i] = q[i] * wire::kDegrees;
         if (out[i] < options_.facts.lower[i] || out[i] > options_.facts.upper[i]) return std::nullopt;
       }
       return out;

@@ -5,9 +5,9 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numbers>
 
 #include "drivers/franka/errors.hpp"
+#include "drivers/wire/six_axes.hpp"
 #include "polyarm/base/error.hpp"
 #include "polyarm/base/text.hpp"
 
@@ -18,7 +18,6 @@ using hardware::ReturnType;
 
 namespace {
 
-constexpr double kRadians = std::numbers::pi / 180;
 // Commands within these multiples of the description's limits are sent as they are, among them the loop's
 // hardest stop, which is three times as hard as a move. The robot's own limits hold in any case.
 constexpr double kAcceleration = 4, kJerk = 24;
@@ -174,7 +173,7 @@ void FrankaComponent::read_hand(hardware::DriverParameters& p, const hardware::R
 
 void FrankaComponent::find_limits(const hardware::RobotInstance& robot, double max_speed) {
   auto& [velocity, acceleration, jerk] = settings_.limits.of;
-  velocity.fill((max_speed > 0 ? max_speed : kNoSpeedLimit) * kRadians);
+  velocity.fill((max_speed > 0 ? max_speed : kNoSpeedLimit) * wire::kRadians);
   acceleration.fill(kAccelerationElse);
   jerk.fill(kJerkElse);
   settings_.lower = settings_.upper = {};

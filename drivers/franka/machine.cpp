@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 #include "drivers/wire/six_axes.hpp"
 #include "polyarm/base/pose.hpp"
@@ -11,7 +10,6 @@ namespace polyarm::franka {
 
 namespace {
 
-constexpr double kDegrees = 180 / std::numbers::pi;
 constexpr double kPeriod = 0.001;
 constexpr double kFollows = 0.2;      // of the way to the desired position, in each cycle
 constexpr double kThere = 1e-12;      // rad
@@ -37,7 +35,7 @@ Matrix4 matrix_of(const Pose& pose) {
 }
 
 Seven in_degrees(Seven values) {
-  for (double& one : values) one *= kDegrees;
+  for (double& one : values) one *= wire::kDegrees;
   return values;
 }
 
@@ -72,7 +70,7 @@ Seven Machine::q_d() const {
   return in_degrees(q_d_);
 }
 double Machine::largest_jump() const {
-  return jump_ * kDegrees;
+  return jump_ * wire::kDegrees;
 }
 
 // --- people -----------------------------------------------------------------------------------------------

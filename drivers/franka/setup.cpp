@@ -7,6 +7,7 @@
 
 #include "drivers/franka/errors.hpp"
 #include "drivers/franka/limits.hpp"
+#include "drivers/wire/six_axes.hpp"
 #include "drivers/wire/udp.hpp"
 #include "polyarm/realtime/periodic.hpp"
 
@@ -17,7 +18,6 @@ namespace {
 constexpr int kCounted = 1000;                 // states for their rate
 constexpr double kFewLost = 0.01;              // of them
 constexpr Nanoseconds kLateState = 2'000'000;  // between two states
-constexpr double kDegrees = 57.29577951308232;
 
 const char* system_of(int version) {
   constexpr const char* kSystems[] = {"Panda, system 4.2",        "Research 3, system 5.2",
@@ -83,7 +83,7 @@ class Setup {
   }
   void look_at_state() {
     Seven degrees = state_.q;
-    for (double& one : degrees) one *= kDegrees;
+    for (double& one : degrees) one *= wire::kDegrees;
     o_.say(fmt::format("  mode: {}", name(state_.mode)));
     o_.say(fmt::format("  joints {:.3f} degrees", fmt::join(degrees, " ")));
     const double away =

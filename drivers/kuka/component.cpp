@@ -5,8 +5,8 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numbers>
 
+#include "drivers/wire/six_axes.hpp"
 #include "drivers/wire/xml.hpp"
 #include "polyarm/base/error.hpp"
 #include "polyarm/base/pose.hpp"
@@ -19,7 +19,6 @@ using hardware::ReturnType;
 
 namespace {
 
-constexpr double kRadians = std::numbers::pi / 180, kDegrees = 180 / std::numbers::pi;
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 // RSI applies each correction as it is; these shares of the description's limits are for braking, and for
 // commands that jump.
@@ -88,7 +87,7 @@ std::array<double, 7> pose_of(const Sample& sample) noexcept {
   out.fill(kNaN);
   if (!sample.with_pose) return out;
   const auto& p = sample.pose;
-  const Quaternion q = from_rpy(p[5] * kRadians, p[4] * kRadians, p[3] * kRadians);
+  const Quaternion q = from_rpy(p[5] * wire::kRadians, p[4] * wire::kRadians, p[3] * wire::kRadians);
   return {p[0] / 1000, p[1] / 1000, p[2] / 1000, q.x, q.y, q.z, q.w};
 }
 
@@ -129,7 +128,7 @@ CallbackReturn KukaComponent::on_init(const hardware::ComponentContext& context)
     throw Error("bad-value", "`sen_type` is no name", "at most 32 letters, as SENTYPE in the file of RSI");
   robot_ = context.robots.front().name;
   settings_.limits =
-      wire::stream_limits<6>(context.robots.front(), joints_, p.number("max_speed"), kLimits, kDegrees);
+      wire::stream_limits<6>(context.robots.front(), joints_, p.number("max_speed"), kLimits, wire::kDegrees);
   const auto signals = [&](const char* parameter) {
     return wire::signal_range(parameter, p.text(parameter), static_cast<int>(kMostSignals));
   };
@@ -203,7 +202,7 @@ CallbackReturn KukaComponent::on_deactivate() {
 const wire::Six& KukaComponent::shown_position(bool guided, double dt) noexcept {
   const double most = kShownSpeed * dt;
   for (std::size_t j = 0; j < 6; ++j) {
-    const double at = guided ? link_->sample().q[j] : link_->panel().state.axes[j] * kRadians;
+    const double at = guided ? link_->sample().q[j] : link_->panel().state.axes[j] * wire::kRadians;
     shown_[j] = guided || !placed_ ? at : shown_[j] + std::clamp(at - shown_[j], -most, most);
   }
   placed_ = true;

@@ -8,7 +8,7 @@ namespace polyarm::kuka {
 
 namespace {
 
-constexpr Nanoseconds kPause = 50'000'000;
+constexpr Nanoseconds kAskAgain = 50'000'000;
 constexpr Nanoseconds kDrives = 5'000'000'000;  // for the drives to be on
 constexpr int kOldestRsi = 3;
 
@@ -49,7 +49,7 @@ bool EkiLink::check_panel(const EkiState& state, bool drives_on, Nanoseconds tim
 
 bool EkiLink::switch_drives_on(Nanoseconds timeout) {
   const Nanoseconds deadline = realtime::monotonic_now() + std::min(kDrives, timeout);
-  for (EkiDo what = EkiDo::drives_on;; what = EkiDo::state, wire::wait_readable(-1, kPause)) {
+  for (EkiDo what = EkiDo::drives_on;; what = EkiDo::state, wire::wait_readable(-1, kAskAgain)) {
     const auto reply = eki_.ask(what);
     if (!reply) return refuse_eki();
     if (reply->state.drives) return true;

@@ -1,8 +1,8 @@
 #include "drivers/kuka/fake.hpp"
 
 #include <cmath>
-#include <numbers>
 
+#include "drivers/wire/six_axes.hpp"
 #include "polyarm/base/error.hpp"
 #include "polyarm/base/text.hpp"
 
@@ -12,14 +12,13 @@ using hardware::CallbackReturn;
 
 namespace {
 
-constexpr double kDegrees = 180 / std::numbers::pi;
 constexpr Nanoseconds kAnswer = 500'000'000;
 constexpr std::uint64_t kServices = 12;  // cycles between two exchanges of states: about 20 a second
 
 MachineOptions machine_of(const hardware::RobotInstance& robot, Nanoseconds period) {
   MachineOptions out;
   if (robot.model) out.facts = facts_of(*robot.model);
-  out.start = wire::start_position(robot, out.start, kDegrees);
+  out.start = wire::start_position(robot, out.start, wire::kDegrees);
   const double ms = seconds(period) * 1000;
   out.identity.cycle_ms = static_cast<int>(std::lround(ms));
   if ((out.identity.cycle_ms != 4 && out.identity.cycle_ms != 12) ||

@@ -2,17 +2,16 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <utility>
 
 #include "drivers/kuka/forward_link.hpp"
 #include "drivers/kuka/move_shape.hpp"
+#include "drivers/wire/six_axes.hpp"
 
 namespace polyarm::kuka {
 
 namespace {
 
-constexpr double kRadians = std::numbers::pi / 180;
 constexpr double kSpeedUp = 0.2;  // s, of an axis to its full speed
 constexpr double kPathSpeed = 3;  // m/s ($VEL_MA.CP)
 
@@ -24,16 +23,18 @@ Six scaled(const Six& six, double by) {
 
 forward::PlayedArm arm_of(Machine& machine, int& ended) {
   forward::PlayedArm out;
-  out.q = [&machine, q = Six{}]() mutable -> const Six& { return q = scaled(machine.setpoint(), kRadians); };
+  out.q = [&machine, q = Six{}]() mutable -> const Six& {
+    return q = scaled(machine.setpoint(), wire::kRadians);
+  };
   out.still = [&machine] { return machine.still(); };
   out.may_move = [&machine] { return machine.may_move(); };
-  out.follow = [&machine](const Six& next) { machine.drive(scaled(next, 1 / kRadians)); };
+  out.follow = [&machine](const Six& next) { machine.drive(scaled(next, 1 / wire::kRadians)); };
   out.refuse = [&machine] { machine.stop_with_message(); };
   out.ended = [&ended](int number) { ended = number; };
   out.flange = [&machine](const Six& q, std::array<double, 36>& J) {
     return machine.options().facts.tool_flange->jacobian(q, J);
   };
-  out.velocity = scaled(machine.options().facts.velocity, kRadians);
+  out.velocity = scaled(machine.options().facts.velocity, wire::kRadians);
   out.acceleration = scaled(out.velocity, 1 / kSpeedUp);
   return out;
 }
@@ -43,7 +44,7 @@ forward::PlayedMove played(const EkiMove& move, int number) {
   forward::PlayedMove out;
   out.number = number;
   if (move.kind == EkiMove::ptp) {
-    out.goal = scaled(move.end, kRadians);
+    out.goal = scaled(move.end, wire::kRadians);
     out.share = std::clamp(move.speed, 1.0, 100.0) / 100;
     out.acceleration = std::clamp(move.acceleration, 1.0, 100.0) / 100;
     out.blend_share = std::min(move.blend, 100.0) / 100;
@@ -54,7 +55,7 @@ forward::PlayedMove played(const EkiMove& move, int number) {
   out.via_point = pose_of(move.via).position;
   out.speed = std::clamp(move.speed, 1e-3, kPathSpeed);
   out.acceleration = std::max(move.acceleration, 1e-2);
-  out.turn = move.turn * kRadians;
+  out.turn = move.turn * wire::kRadians;
   out.blend = move.blend / 1000;
   return out;
 }

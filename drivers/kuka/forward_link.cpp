@@ -3,9 +3,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 #include "drivers/kuka/move_shape.hpp"
+#include "drivers/wire/six_axes.hpp"
 
 namespace polyarm::kuka {
 
@@ -13,7 +13,6 @@ using forward::MoveOrder;
 
 namespace {
 
-constexpr double kRadians = std::numbers::pi / 180;
 constexpr int kAsksOfRound = 8;            // requests of one round
 constexpr double kFarthestAngle = 36'000;  // degrees
 
@@ -118,7 +117,7 @@ bool ForwardLink::ask_end() {
 void ForwardLink::take(const EkiReply& reply) {
   const EkiState& s = reply.state;
   Six q;
-  for (std::size_t i = 0; i < 6; ++i) q[i] = s.axes[i] * kRadians;
+  for (std::size_t i = 0; i < 6; ++i) q[i] = s.axes[i] * wire::kRadians;
   if (std::any_of(s.axes.begin(), s.axes.end(), [](double a) { return std::abs(a) > kFarthestAngle; }))
     return note(Cause::eki_bad_data);
   const auto step = static_cast<std::int32_t>(static_cast<std::uint32_t>(s.time_ms) -

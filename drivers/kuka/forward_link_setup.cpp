@@ -8,7 +8,7 @@ namespace polyarm::kuka {
 
 namespace {
 
-constexpr Nanoseconds kPause = 10'000'000;
+constexpr Nanoseconds kLookAgain = 10'000'000;
 constexpr Nanoseconds kEnd = 2'000'000'000;  // for a session to end
 
 }  // namespace
@@ -54,7 +54,7 @@ bool ForwardLink::end_old_session(const EkiState& state) {
   if (!state.moves && !state.rsi) return true;
   const Nanoseconds deadline = realtime::monotonic_now() + kEnd;
   const EkiDo first = state.moves ? EkiDo::end : EkiDo::stop;
-  for (EkiDo what = first;; what = EkiDo::state, wire::wait_readable(-1, kPause)) {
+  for (EkiDo what = first;; what = EkiDo::state, wire::wait_readable(-1, kLookAgain)) {
     const auto reply = eki_.ask(what, 0, state.session);
     if (!reply) return refuse_eki();
     take(*reply);
@@ -67,7 +67,7 @@ bool ForwardLink::end_old_session(const EkiState& state) {
 /// The program has to be there: it stands where the robot stands, and waits for moves.
 bool ForwardLink::await_session() {
   const Nanoseconds deadline = realtime::monotonic_now() + settings_.start_timeout;
-  for (;; wire::wait_readable(-1, kPause)) {
+  for (;; wire::wait_readable(-1, kLookAgain)) {
     const auto reply = eki_.ask(EkiDo::state);
     if (!reply) return refuse_eki();
     take(*reply);

@@ -6,8 +6,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
+#include "drivers/wire/six_axes.hpp"
 #include "polyarm/base/bounds.hpp"
 #include "polyarm/realtime/periodic.hpp"
 
@@ -15,7 +15,6 @@ namespace polyarm::kuka {
 
 namespace {
 
-constexpr double kRadians = std::numbers::pi / 180;
 constexpr Nanoseconds kLook = 20'000'000;        // between two judgements without an event
 constexpr Nanoseconds kEnd = 2'000'000'000;      // for a motion to end
 constexpr Nanoseconds kQuiet = 300'000'000;      // without a packet, while it ends
@@ -32,7 +31,7 @@ constexpr int kSlow = 3;               // packets of another cycle in a row
 
 void Link::command(bool move, const Six& joints) noexcept {
   Wanted wanted{move, samples_.value().count, {}};
-  for (std::size_t i = 0; i < 6; ++i) wanted.joints[i] = joints[i] / kRadians;
+  for (std::size_t i = 0; i < 6; ++i) wanted.joints[i] = joints[i] / wire::kRadians;
   commands_.write(wanted);
   wake();
 }
@@ -143,7 +142,7 @@ void Link::check_cycle(std::uint64_t step) {
 void Link::fill_sample(const RsiRobot& robot) {
   const std::uint64_t step = fresh_ ? 0 : robot.ipoc - current_.sequence;
   for (std::size_t i = 0; i < 6; ++i) {
-    const double q = robot.axes[i] * kRadians;
+    const double q = robot.axes[i] * wire::kRadians;
     current_.dq[i] = step > 0 ? (q - current_.q[i]) * 1000 / static_cast<double>(step) : 0;
     current_.q[i] = q;
   }
@@ -179,7 +178,7 @@ void Link::answer(Nanoseconds now) {
   if (displaced_ && phase == Phase::starting) return;
   // Also the first packet of a start that was given up: its answer holds the robot where it stands.
   if (phase == Phase::starting || current_.count == 1) {
-    for (std::size_t i = 0; i < 6; ++i) base_[i] = sent_[i] = current_.q[i] / kRadians;
+    for (std::size_t i = 0; i < 6; ++i) base_[i] = sent_[i] = current_.q[i] / wire::kRadians;
     shaper_.begin(base_);
   }
   if (phase == Phase::starting) {
@@ -252,7 +251,7 @@ void Link::go_on() {
   if (wanted.move && !allowed(wanted)) return brake();
   const Six next =
       wanted.move ? shaper_.next(wanted.joints, settings_.limits) : shaper_.brake(settings_.limits);
-  current_.behind = shaper_.behind() * kRadians;
+  current_.behind = shaper_.behind() * wire::kRadians;
   late_ = late_ && current_.behind > 0;
   current_.shaped = shaper_.shaped();
   send(next);

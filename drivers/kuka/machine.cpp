@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 #include "drivers/forward/move_frame.hpp"
 #include "drivers/wire/six_axes.hpp"
@@ -11,7 +10,6 @@ namespace polyarm::kuka {
 
 namespace {
 
-constexpr double kDegrees = 180 / std::numbers::pi;
 constexpr double kStopRamp = 0.1;   // s, of every stop
 constexpr double kFollows = 0.6;    // of the way to the setpoint, in each cycle
 constexpr double kStill = 1e-9;     // degrees
@@ -28,7 +26,7 @@ bool is_signal(int number) {
 }  // namespace
 
 MachineFacts facts_of(const description::RobotModel& model) {
-  const wire::AxisFacts axes = wire::axis_facts(model, "kuka/kr_10_r1100_3", kDegrees);
+  const wire::AxisFacts axes = wire::axis_facts(model, "kuka/kr_10_r1100_3", wire::kDegrees);
   MachineFacts out;
   out.model = axes.model;
   out.lower = axes.lower;
@@ -276,11 +274,11 @@ RsiRobot Machine::packet() const {
 std::optional<Six> Machine::flange(const Six& joints) const {
   if (!options_.facts.chain) return std::nullopt;
   Six q;
-  for (std::size_t i = 0; i < 6; ++i) q[i] = joints[i] / kDegrees;
+  for (std::size_t i = 0; i < 6; ++i) q[i] = joints[i] / wire::kDegrees;
   const Pose flange = options_.facts.chain->forward(q);
   const Vec3 angles = to_rpy(flange.rotation);
-  return Six{1000 * flange.position.x, 1000 * flange.position.y, 1000 * flange.position.z,
-             angles.z * kDegrees,      angles.y * kDegrees,      angles.x * kDegrees};
+  return Six{1000 * flange.position.x,  1000 * flange.position.y,  1000 * flange.position.z,
+             angles.z * wire::kDegrees, angles.y * wire::kDegrees, angles.x * wire::kDegrees};
 }
 
 EkiReply Machine::reply() const {

@@ -2,7 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
+
+#include "drivers/wire/six_axes.hpp"
 
 namespace polyarm::kuka {
 
@@ -10,7 +11,6 @@ using hardware::ForwardMove;
 
 namespace {
 
-constexpr double kDegrees = 180 / std::numbers::pi;
 constexpr double kLeastAcceleration = 0.01;  // m/s²
 constexpr double kLeastBlend = 0.1;          // % of half of the way, or mm
 
@@ -30,12 +30,12 @@ double percent_of_way(double blend, double way) {
 Six frame_of(const Pose& pose) {
   const Vec3 rpy = to_rpy(pose.rotation);
   return {1000 * pose.position.x, 1000 * pose.position.y, 1000 * pose.position.z,
-          rpy.z * kDegrees,       rpy.y * kDegrees,       rpy.x * kDegrees};
+          rpy.z * wire::kDegrees, rpy.y * wire::kDegrees, rpy.x * wire::kDegrees};
 }
 
 Pose pose_of(const Six& f) {
   return {{f[0] / 1000, f[1] / 1000, f[2] / 1000},
-          from_rpy(f[5] / kDegrees, f[4] / kDegrees, f[3] / kDegrees)};
+          from_rpy(f[5] / wire::kDegrees, f[4] / wire::kDegrees, f[3] / wire::kDegrees)};
 }
 
 EkiMove eki_move(const forward::MoveOrder& order, const forward::MoveFrame& frame) {
@@ -45,7 +45,7 @@ EkiMove eki_move(const forward::MoveOrder& order, const forward::MoveFrame& fram
   if (move.kind == ForwardMove::Kind::joint) {
     out.kind = EkiMove::ptp;
     out.end = forward::end_of(move);
-    for (double& angle : out.end) angle *= kDegrees;
+    for (double& angle : out.end) angle *= wire::kDegrees;
     out.speed = percent(move.share);
     out.acceleration = percent(move.acceleration);
     out.blend = percent_of_way(blend, forward::joint_way(move, order.from, frame));
@@ -58,7 +58,7 @@ EkiMove eki_move(const forward::MoveOrder& order, const forward::MoveFrame& fram
   if (way.arc) out.via = frame_of(base * Pose{move.via.position, move.at.rotation});
   out.speed = way.speed;
   out.acceleration = std::max(move.acceleration * frame.line_acceleration, kLeastAcceleration);
-  if (!(way.speed > 0)) out.turn = std::max(way.turn, 1e-3) / std::max(move.duration, 0.01) * kDegrees;
+  if (!(way.speed > 0)) out.turn = std::max(way.turn, 1e-3) / std::max(move.duration, 0.01) * wire::kDegrees;
   out.blend = 1000 * blend < kLeastBlend ? 0 : 1000 * blend;
   return out;
 }

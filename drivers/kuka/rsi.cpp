@@ -11,7 +11,7 @@ namespace {
 
 using wire::XmlDocument;
 
-constexpr std::array<const char*, 6> kAxes{"A1", "A2", "A3", "A4", "A5", "A6"};
+constexpr std::array<const char*, 6> kRsiAxes{"A1", "A2", "A3", "A4", "A5", "A6"};
 constexpr std::array<const char*, 6> kPose{"X", "Y", "Z", "A", "B", "C"};
 
 std::string six_in(const char* element, const std::array<const char*, 6>& names, const Six& values) {
@@ -49,15 +49,15 @@ std::string encode(const RsiRobot& robot) {
   std::string out = "<Rob Type=\"KUKA\">";
   if (robot.pose) out += six_in("RIst", kPose, *robot.pose);
   if (robot.target) out += six_in("RSol", kPose, *robot.target);
-  out += six_in("AIPos", kAxes, robot.axes);
-  if (robot.setpoint) out += six_in("ASPos", kAxes, *robot.setpoint);
+  out += six_in("AIPos", kRsiAxes, robot.axes);
+  if (robot.setpoint) out += six_in("ASPos", kRsiAxes, *robot.setpoint);
   if (robot.delay) out += fmt::format("<Delay D=\"{}\"/>", *robot.delay);
   return out + fmt::format("<DiL>{}</DiL><IPOC>{}</IPOC></Rob>", robot.inputs, robot.ipoc);
 }
 
 std::string encode(const RsiSensor& sensor, const std::string& type) {
   return fmt::format("<Sen Type=\"{}\"><Stop>{}</Stop>{}<IPOC>{}</IPOC></Sen>", type, sensor.stop ? 1 : 0,
-                     six_in("AK", kAxes, sensor.correction), sensor.ipoc);
+                     six_in("AK", kRsiAxes, sensor.correction), sensor.ipoc);
 }
 
 std::optional<RsiRobot> decode_robot(std::string_view text) noexcept {
@@ -65,11 +65,11 @@ std::optional<RsiRobot> decode_robot(std::string_view text) noexcept {
   if (!read_datagram(document, text) || document.root().name != "Rob") return std::nullopt;
   RsiRobot out;
   const auto ipoc = ipoc_of(document);
-  const auto axes = six_of(document, "AIPos", kAxes);
+  const auto axes = six_of(document, "AIPos", kRsiAxes);
   if (!ipoc || !axes) return std::nullopt;
   out.ipoc = *ipoc;
   out.axes = *axes;
-  out.setpoint = six_of(document, "ASPos", kAxes);
+  out.setpoint = six_of(document, "ASPos", kRsiAxes);
   out.pose = six_of(document, "RIst", kPose);
   out.target = six_of(document, "RSol", kPose);
   if (const auto* delay = document.find("Delay"))
@@ -86,7 +86,7 @@ std::optional<RsiSensor> decode_sensor(std::string_view text, std::string_view t
   if (document.attribute(document.root(), "Type") != type) return std::nullopt;
   RsiSensor out;
   const auto ipoc = ipoc_of(document);
-  const auto correction = six_of(document, "AK", kAxes);
+  const auto correction = six_of(document, "AK", kRsiAxes);
   if (!ipoc || !correction) return std::nullopt;
   out.ipoc = *ipoc;
   out.correction = *correction;

@@ -6,8 +6,6 @@ namespace polyarm::ur {
 
 namespace {
 
-constexpr double kStop = 4;  // rad/s², as in the driver's program
-
 forward::PlayedArm arm_of(Machine& machine) {
   forward::PlayedArm out;
   out.q = [&machine]() -> const Six& { return machine.q(); };

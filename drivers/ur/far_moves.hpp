@@ -6,6 +6,8 @@
 
 namespace polyarm::ur {
 
+inline constexpr double kStop = 4;  ///< rad/s², as in the driver's programs
+
 /// The speed slider is the pace. A joint that exceeds its limit is a protective stop.
 class FarMoves {
  public:

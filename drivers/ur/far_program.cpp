@@ -13,7 +13,7 @@ namespace {
 constexpr double kFirstMessage = 2;     // s that the driver's own program waits for its first message
 constexpr double kExternalScale = 1e6;  // of External Control's numbers
 constexpr std::size_t kExternalBytes = 32;
-constexpr double kStop = 4, kSpeedAcceleration = 15;  // rad/s², as in the programs
+constexpr double kSpeedAcceleration = 15;  // rad/s², as in the program
 constexpr Nanoseconds kConnect = 500'000'000;
 
 std::string quoted_after(const std::string& text, std::size_t& at) {

@@ -14,7 +14,7 @@ namespace {
 // Two threads: the main one reads messages and never waits for the robot, the mover makes one move after the
 // other. A move with a blend begins only when the next one is there, because the robot would stop at the
 // beginning of the blend otherwise. A halt ends the mover; the new one stops the robot before it says so.
-constexpr const char* kProgram = R"(def polyarm():
+constexpr const char* kMoveProgram = R"(def polyarm():
   # Polyarm, moves 1: makes the moves of the computer that sent this program, and stops when it falls silent.
   write_output_integer_register({sequence_register}, 0)
   write_output_integer_register({state_register}, 0)
@@ -122,7 +122,7 @@ std::string zeros(std::size_t count) {
   return out;
 }
 
-std::int32_t scaled(double value) noexcept {
+std::int32_t scaled_of_move(double value) noexcept {
   if (!std::isfinite(value)) return 0;
   return static_cast<std::int32_t>(std::lround(std::clamp(value, -2100.0, 2100.0) * kMoveScale));
 }
@@ -133,13 +133,13 @@ std::array<std::uint8_t, kMoveBytes> encode(const MoveMessage& message) noexcept
   std::array<std::int32_t, kMoveNumbers> numbers{message.sequence, message.timeout_ms,
                                                  static_cast<std::int32_t>(message.work), message.number};
   for (std::size_t i = 0; i < 6; ++i) {
-    numbers[4 + i] = scaled(message.goal[i]);
-    numbers[10 + i] = scaled(message.via[i]);
+    numbers[4 + i] = scaled_of_move(message.goal[i]);
+    numbers[10 + i] = scaled_of_move(message.via[i]);
   }
-  numbers[16] = scaled(message.acceleration);
-  numbers[17] = scaled(message.speed);
-  numbers[18] = scaled(message.time);
-  numbers[19] = scaled(message.blend);
+  numbers[16] = scaled_of_move(message.acceleration);
+  numbers[17] = scaled_of_move(message.speed);
+  numbers[18] = scaled_of_move(message.time);
+  numbers[19] = scaled_of_move(message.blend);
   std::array<std::uint8_t, kMoveBytes> out{};
   for (std::size_t i = 0; i < kMoveBytes; ++i)
     out[i] = static_cast<std::uint8_t>(static_cast<std::uint32_t>(numbers[i / 4]) >> 8 * (3 - i % 4));
@@ -160,19 +160,19 @@ MoveMessage decode_move(std::span<const std::uint8_t, kMoveBytes> bytes) noexcep
 }
 
 std::string move_program_text(const ScriptSettings& settings) {
-  return filled(kProgram, {{"host", settings.host},
-                           {"port", std::to_string(settings.port)},
-                           {"socket", kMoveSocketName},
-                           {"deceleration", fmt::format("{:.3f}", settings.stop_deceleration)},
-                           {"scale", fmt::format("{:.1f}", kMoveScale)},
-                           {"numbers", std::to_string(kMoveNumbers)},
-                           {"width", std::to_string(kWidth)},
-                           {"slots", std::to_string(kMoveSlots)},
-                           {"zeros", zeros(kWidth * kMoveSlots)},
-                           {"sequence_register", std::to_string(kSequenceRegister)},
-                           {"state_register", std::to_string(kStateRegister)},
-                           {"ended_register", std::to_string(kEndedRegister)},
-                           {"halt_register", std::to_string(kHaltRegister)}});
+  return filled(kMoveProgram, {{"host", settings.host},
+                               {"port", std::to_string(settings.port)},
+                               {"socket", kMoveSocketName},
+                               {"deceleration", fmt::format("{:.3f}", settings.stop_deceleration)},
+                               {"scale", fmt::format("{:.1f}", kMoveScale)},
+                               {"numbers", std::to_string(kMoveNumbers)},
+                               {"width", std::to_string(kWidth)},
+                               {"slots", std::to_string(kMoveSlots)},
+                               {"zeros", zeros(kWidth * kMoveSlots)},
+                               {"sequence_register", std::to_string(kSequenceRegister)},
+                               {"state_register", std::to_string(kStateRegister)},
+                               {"ended_register", std::to_string(kEndedRegister)},
+                               {"halt_register", std::to_string(kHaltRegister)}});
 }
 
 }  // namespace polyarm::ur

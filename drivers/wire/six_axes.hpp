@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <numbers>
 #include <optional>
 #include <span>
 #include <string>
@@ -14,6 +15,9 @@
 #include "polyarm/hardware/component.hpp"
 
 namespace polyarm::wire {
+
+inline constexpr double kRadians = std::numbers::pi / 180;  ///< rad in a degree
+inline constexpr double kDegrees = 180 / std::numbers::pi;  ///< degrees in a rad
 
 /// The joints that a component with one robot of six axes drives, from base to tool: those of its
 /// <ros2_control> block, else the first six of the model. Commands must be among `takes`; what is wrong goes

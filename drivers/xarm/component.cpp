@@ -5,8 +5,8 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numbers>
 
+#include "drivers/wire/six_axes.hpp"
 #include "polyarm/base/error.hpp"
 #include "polyarm/base/pose.hpp"
 
@@ -17,7 +17,6 @@ using hardware::ReturnType;
 
 namespace {
 
-constexpr double kDegrees = 180 / std::numbers::pi;
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 // The controller follows its targets as they are; these shares of the description's limits are for braking,
 // and for commands that jump.
@@ -101,7 +100,7 @@ CallbackReturn XarmComponent::on_init(const hardware::ComponentContext& context)
   if (stepped_link_) settings_.report_period = seconds(period_);
   robot_ = context.robots.front().name;
   settings_.limits =
-      wire::stream_limits<7>(context.robots.front(), joints_, p.number("max_speed"), kLimits, kDegrees);
+      wire::stream_limits<7>(context.robots.front(), joints_, p.number("max_speed"), kLimits, wire::kDegrees);
   const auto signals = [&](const char* parameter) {
     return wire::signal_range(parameter, p.text(parameter), kMostSignals - 1, 0);
   };

@@ -1,8 +1,8 @@
 #include "drivers/xarm/fake.hpp"
 
 #include <cmath>
-#include <numbers>
 
+#include "drivers/wire/six_axes.hpp"
 #include "polyarm/base/error.hpp"
 
 namespace polyarm::xarm {
@@ -11,14 +11,13 @@ using hardware::CallbackReturn;
 
 namespace {
 
-constexpr double kDegrees = 180 / std::numbers::pi;
 constexpr Nanoseconds kAnswer = 5'000'000'000;
 constexpr std::uint64_t kServices = 12;  // cycles between two exchanges: about 20 a second
 
 MachineOptions machine_of(const hardware::RobotInstance& robot, Nanoseconds period) {
   MachineOptions out;
   if (robot.model) out.facts = facts_of(*robot.model);
-  out.start = wire::start_position(robot, out.start, kDegrees);
+  out.start = wire::start_position(robot, out.start, wire::kDegrees);
   const double ms = seconds(period) * 1000;
   out.cycle_ms = static_cast<int>(std::lround(ms));
   if (out.cycle_ms < 4 || out.cycle_ms > 20 || std::abs(out.cycle_ms - ms) > 1e-3)

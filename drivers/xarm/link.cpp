@@ -6,15 +6,14 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <numbers>
 
+#include "drivers/wire/six_axes.hpp"
 #include "polyarm/realtime/periodic.hpp"
 
 namespace polyarm::xarm {
 
 namespace {
 
-constexpr double kRadians = std::numbers::pi / 180;
 constexpr Nanoseconds kLook = 20'000'000;    // between two judgements without an event
 constexpr Nanoseconds kEnd = 3'000'000'000;  // for a motion to end
 constexpr double kStillWay = 1e-4;           // rad between two reports of a robot that stands
@@ -24,7 +23,7 @@ constexpr double kLate = 3.5;                // periods without a command until 
 
 std::vector<std::uint8_t> servo_data(const Seven& degrees) {
   UxData out;
-  for (const double one : degrees) out.f32(one * kRadians);
+  for (const double one : degrees) out.f32(one * wire::kRadians);
   return out.f32(0).f32(0).f32(0);  // speed, acceleration and time, which this mode does not use
 }
 
@@ -32,7 +31,7 @@ std::vector<std::uint8_t> servo_data(const Seven& degrees) {
 
 void Link::command(bool move, const Seven& joints) noexcept {
   Wanted wanted{move, {}};
-  for (std::size_t i = 0; i < joints.size(); ++i) wanted.joints[i] = joints[i] / kRadians;
+  for (std::size_t i = 0; i < joints.size(); ++i) wanted.joints[i] = joints[i] / wire::kRadians;
   if (!commands_.push(wanted)) return fail(Cause::command_silent, 0);
   ++pushed_;
   wake();
@@ -161,7 +160,7 @@ void Link::take_commands(Nanoseconds now) {
     commanded_at_ = now;
     if (!begun_) {
       Seven at;
-      for (std::size_t i = 0; i < at.size(); ++i) at[i] = current_.q[i] / kRadians;
+      for (std::size_t i = 0; i < at.size(); ++i) at[i] = current_.q[i] / wire::kRadians;
       shaper_.begin(at);
       begun_ = true;
     }
@@ -183,7 +182,7 @@ void Link::feed(const Wanted& wanted) {
   if (!wanted.move || !answer_is_late(commanded_at_)) return;
   const Seven& sent = shaper_.at();
   for (std::size_t i = 0; i < sent.size(); ++i)
-    if (std::abs(wanted.joints[i] - sent[i]) * kRadians > settings_.most_behind)
+    if (std::abs(wanted.joints[i] - sent[i]) * wire::kRadians > settings_.most_behind)
       return note(Cause::command_silent);
 }
 
@@ -200,7 +199,7 @@ void Link::shape() {
   else
     shaper_.brake(settings_.limits);
   if (shaper_.behind() == 0) waited_ = false;
-  current_.behind = shaper_.behind() * kRadians;
+  current_.behind = shaper_.behind() * wire::kRadians;
   current_.shaped = shaper_.shaped();
   judge_behind(shaper_, current_.behind, settings_.most_behind,
                waited_ ? Cause::command_silent : Cause::none);

@@ -12,7 +12,6 @@ namespace {
 
 constexpr int kAllJoints = 8;
 constexpr Nanoseconds kStanding = 1'000'000'000;  // for a robot to stand
-constexpr int kLeastMajor = 1, kLeastMinor = 5;   // of the firmware
 
 }  // namespace
 

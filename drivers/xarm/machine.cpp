@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 #include "drivers/wire/six_axes.hpp"
 #include "polyarm/base/pose.hpp"
@@ -11,7 +10,6 @@ namespace polyarm::xarm {
 
 namespace {
 
-constexpr double kDegrees = 180 / std::numbers::pi;
 constexpr double kEndless = 360, kVelocity = 180;  // degrees, of a joint without limits
 constexpr double kFollows = 0.6;                   // of the way to the command, in each cycle
 constexpr double kThere = 1e-5;                    // degrees
@@ -37,9 +35,9 @@ MachineFacts facts_of(const description::RobotModel& model) {
   out.type = type_of(out.model, out.axes);
   for (std::size_t i = 0; i < joints.size(); ++i) {
     const description::JointLimits& limits = joints[i]->limits;
-    out.lower[i] = limits.lower ? *limits.lower * kDegrees : -kEndless;
-    out.upper[i] = limits.upper ? *limits.upper * kDegrees : kEndless;
-    out.velocity[i] = limits.velocity ? *limits.velocity * kDegrees : kVelocity;
+    out.lower[i] = limits.lower ? *limits.lower * wire::kDegrees : -kEndless;
+    out.upper[i] = limits.upper ? *limits.upper * wire::kDegrees : kEndless;
+    out.velocity[i] = limits.velocity ? *limits.velocity * wire::kDegrees : kVelocity;
   }
   const int flange = wire::flange_link(model, joints.back()->child_link);
   out.chain = std::make_shared<const kinematics::Chain>(model, flange);
@@ -200,7 +198,7 @@ void Machine::step() {
 Six Machine::pose_of(const Seven& degrees) const {
   if (!options_.facts.chain) return {};
   std::vector<double> q(options_.facts.axes);
-  for (std::size_t i = 0; i < q.size(); ++i) q[i] = degrees[i] / kDegrees;
+  for (std::size_t i = 0; i < q.size(); ++i) q[i] = degrees[i] / wire::kDegrees;
   const Pose flange = options_.facts.chain->forward(q);
   const Pose offset{{tcp_offset_[0] * 1e-3, tcp_offset_[1] * 1e-3, tcp_offset_[2] * 1e-3},
                     from_rpy(tcp_offset_[3], tcp_offset_[4], tcp_offset_[5])};
@@ -214,7 +212,7 @@ Report Machine::report() const {
   out.state = state_;
   out.mode = mode_;
   out.queued = static_cast<int>(moves_.size());
-  for (std::size_t i = 0; i < kWireJoints; ++i) out.position[i] = measured_[i] / kDegrees;
+  for (std::size_t i = 0; i < kWireJoints; ++i) out.position[i] = measured_[i] / wire::kDegrees;
   out.pose = pose_of(measured_);
   out.has_force = true;
   return out;

@@ -1,15 +1,14 @@
 /// What the simulated controller makes of the requests of its clients.
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
+#include "drivers/wire/six_axes.hpp"
 #include "drivers/xarm/machine.hpp"
 
 namespace polyarm::xarm {
 
 namespace {
 
-constexpr double kDegrees = 180 / std::numbers::pi;
 constexpr std::size_t kVersionSize = 40;
 constexpr int kParameterWarning = 12, kUnknownWarning = 13, kFullWarning = 11;
 constexpr int kJoints = 8;                          // number that means every joint
@@ -74,7 +73,7 @@ std::vector<std::uint8_t> Machine::read(const UxRequest& request, std::uint8_t& 
       return UxData().f32(pose_of(measured_));
     case Register::joint_positions: {
       UxData out;
-      for (const double one : measured_) out.f32(one / kDegrees);
+      for (const double one : measured_) out.f32(one / wire::kDegrees);
       return out;
     }
     case Register::joint_torques:
@@ -195,7 +194,7 @@ std::optional<Seven> Machine::joints_in(Bytes data) const {
   const auto values = floats(data, kWireJoints);
   if (!values) return std::nullopt;
   Seven out{};
-  for (std::size_t i = 0; i < options_.facts.axes; ++i) out[i] = (*values)[i] * kDegrees;
+  for (std::size_t i = 0; i < options_.facts.axes; ++i) out[i] = (*values)[i] * wire::kDegrees;
   return out;
 }
 
@@ -232,7 +231,7 @@ bool Machine::take_move(const UxRequest& request) {
     return true;
   }
   const std::size_t at = home ? 0 : kWireJoints;
-  const double speed = (*values)[at] * kDegrees, acceleration = (*values)[at + 1] * kDegrees;
+  const double speed = (*values)[at] * wire::kDegrees, acceleration = (*values)[at + 1] * wire::kDegrees;
   if (mode_ == Mode::online_joint) moves_.clear();  // the newest target replaces the others
   moves_.push_back({*joints, speed > 0.01 ? std::min(speed, 180.0) : kSpeed,
                     acceleration > 0.1 ? std::min(acceleration, 1145.0) : kAcceleration});

@@ -4,6 +4,7 @@
 
 #include <array>
 
+#include "drivers/wire/six_axes.hpp"
 #include "drivers/xarm/ux_port.hpp"
 #include "polyarm/realtime/periodic.hpp"
 
@@ -13,8 +14,6 @@ namespace {
 
 constexpr int kCounted = 20;  // reports for their rate
 constexpr double kLeastRate = 50;
-constexpr double kDegrees = 57.29577951308232;
-constexpr int kLeastMajor = 1, kLeastMinor = 5;
 
 class Setup {
  public:
@@ -89,7 +88,7 @@ class Setup {
     return true;
   }
   static Seven in_degrees(Seven radians) {
-    for (double& one : radians) one *= kDegrees;
+    for (double& one : radians) one *= wire::kDegrees;
     return radians;
   }
   bool look_at_rate() {

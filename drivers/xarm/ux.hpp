@@ -169,6 +169,9 @@ float float_at(Bytes in, std::size_t at) noexcept;
 /// `count` floats, all finite; nothing if there are fewer, or one is not.
 std::optional<std::vector<double>> floats(Bytes in, std::size_t count);
 
+/// The oldest firmware that the driver takes.
+inline constexpr int kLeastMajor = 1, kLeastMinor = 5;
+
 /// What the text of the version says: "6,6,XI1304…,AC1302…,v1.12.10".
 struct Version {
   int axes = 0, type = 0;  ///< 0: not said

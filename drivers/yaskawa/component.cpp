@@ -5,8 +5,8 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numbers>
 
+#include "drivers/wire/six_axes.hpp"
 #include "polyarm/base/error.hpp"
 #include "polyarm/base/pose.hpp"
 #include "polyarm/base/text.hpp"
@@ -18,7 +18,6 @@ using hardware::ReturnType;
 
 namespace {
 
-constexpr double kDegrees = 180 / std::numbers::pi;
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 // The controller follows its points as they are; these shares of the description's limits are for braking,
 // and for commands that jump.
@@ -121,8 +120,8 @@ void YaskawaComponent::find_limits(const hardware::RobotInstance& robot, double 
   for (std::size_t i = 0; i < joints_.size(); ++i)
     for (const description::Joint& joint : robot.model->joints)
       if (joint.name == joints_[i]) {
-        if (const auto a = joint.limits.acceleration) acceleration[i] = kAcceleration * *a * kDegrees;
-        if (const auto j = joint.limits.jerk) jerk[i] = kJerk * *j * kDegrees;
+        if (const auto a = joint.limits.acceleration) acceleration[i] = kAcceleration * *a * wire::kDegrees;
+        if (const auto j = joint.limits.jerk) jerk[i] = kJerk * *j * wire::kDegrees;
       }
 }
 

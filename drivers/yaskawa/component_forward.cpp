@@ -1,8 +1,8 @@
 /// The component in forward mode: the controller interpolates.
 #include <algorithm>
 #include <limits>
-#include <numbers>
 
+#include "drivers/wire/six_axes.hpp"
 #include "drivers/yaskawa/component.hpp"
 #include "polyarm/base/error.hpp"
 #include "polyarm/base/text.hpp"
@@ -14,7 +14,6 @@ using hardware::ReturnType;
 
 namespace {
 
-constexpr double kRadians = std::numbers::pi / 180;
 constexpr double kLeastPulses = 1, kLargestPulses = 1e6;  // for a degree
 
 /// For a radian.
@@ -25,7 +24,7 @@ wire::Six pulses_in(const std::string& text) {
   for (std::size_t i = 0; fine && i < out.size(); ++i) {
     const double number = parse_number(words[i]).value_or(0);
     fine = std::abs(number) >= kLeastPulses && std::abs(number) <= kLargestPulses;
-    out[i] = number / kRadians;
+    out[i] = number / wire::kRadians;
   }
   if (!fine)
     throw Error(

@@ -3,9 +3,9 @@
 #include <fmt/format.h>
 
 #include <cmath>
-#include <numbers>
 
 #include "drivers/wire/signals.hpp"
+#include "drivers/wire/six_axes.hpp"
 #include "polyarm/base/error.hpp"
 #include "polyarm/base/text.hpp"
 
@@ -15,7 +15,6 @@ using hardware::CallbackReturn;
 
 namespace {
 
-constexpr double kDegrees = 180 / std::numbers::pi;
 constexpr Nanoseconds kAnswer = 5'000'000'000;
 constexpr Nanoseconds kPatience = 20'000'000;  // for a request, between two cycles
 constexpr std::uint64_t kServices = 12;  // cycles between two exchanges: about 20 a second
@@ -23,7 +22,7 @@ constexpr std::uint64_t kServices = 12;  // cycles between two exchanges: about 
 MachineOptions machine_of(const hardware::RobotInstance& robot, Nanoseconds period) {
   MachineOptions out;
   if (robot.model) out.facts = facts_of(*robot.model);
-  out.start = wire::start_position(robot, out.start, kDegrees);
+  out.start = wire::start_position(robot, out.start, wire::kDegrees);
   const double ms = seconds(period) * 1000;
   out.interpolation_ms = static_cast<int>(std::lround(ms));
   if (out.interpolation_ms < 1 || out.interpolation_ms > 20 || std::abs(out.interpolation_ms - ms) > 1e-3)

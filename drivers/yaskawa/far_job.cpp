@@ -2,10 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <optional>
 #include <set>
 
+#include "drivers/wire/six_axes.hpp"
 #include "drivers/yaskawa/inform.hpp"
 #include "polyarm/base/error.hpp"
 #include "polyarm/base/text.hpp"
@@ -19,7 +19,6 @@ using wire::ByteOrder;
 
 namespace {
 
-constexpr double kRadians = std::numbers::pi / 180;
 constexpr int kLinesOfCycle = 64;
 constexpr double kRamp = 0.2;              // s, of an axis to its full speed
 constexpr double kLineAcceleration = 2.5;  // m/s²
@@ -125,7 +124,7 @@ FarJob::FarJob(Machine& machine, Variables& variables, const std::string& job)
       variables_(variables),
       job_(parse_job(job)),
       player_({
-                  .q = [this]() -> const Six& { return q_ = scaled(machine_.setpoint(), kRadians); },
+                  .q = [this]() -> const Six& { return q_ = scaled(machine_.setpoint(), wire::kRadians); },
                   .still = [this] { return machine_.still(); },
                   .may_move = [this] { return machine_.servo_on(); },
                   .follow = [this](const Six& q) { follow(q); },
@@ -135,14 +134,14 @@ FarJob::FarJob(Machine& machine, Variables& variables, const std::string& job)
                       [this](const Six& q, std::array<double, 36>& J) {
                         return machine_.options().facts.chain->jacobian(q, J);
                       },
-                  .velocity = scaled(machine.options().facts.velocity, kRadians),
-                  .acceleration = scaled(machine.options().facts.velocity, kRadians / kRamp),
+                  .velocity = scaled(machine.options().facts.velocity, wire::kRadians),
+                  .acceleration = scaled(machine.options().facts.velocity, wire::kRadians / kRamp),
               },
               1) {}
 
 void FarJob::follow(const Six& q) {
   const MachineFacts& facts = machine_.options().facts;
-  const Six next = scaled(q, 1 / kRadians), now = machine_.setpoint();
+  const Six next = scaled(q, 1 / wire::kRadians), now = machine_.setpoint();
   for (std::size_t i = 0; i < 6; ++i) {
     if (next[i] < facts.lower[i] - 0.01 || next[i] > facts.upper[i] + 0.01)
       return machine_.raise_alarm(kPulseLimit, "PULSE LIMIT (MIN./MAX.)");
@@ -248,7 +247,7 @@ bool FarJob::execute(double dt) {
 bool FarJob::move(const std::vector<std::string>& line) {
   const Six& pulses = machine_.options().facts.pulses;
   Six per_radian;
-  for (std::size_t i = 0; i < 6; ++i) per_radian[i] = pulses[i] / kRadians;
+  for (std::size_t i = 0; i < 6; ++i) per_radian[i] = pulses[i] / wire::kRadians;
   forward::PlayedMove out;
   out.goal = radians_of(variables_.place(number_in(line[1])).values, per_radian);
   const double ramp = std::clamp(value(item(line, "ACC").value_or("100")), 20, 100) / 100.0;
@@ -260,7 +259,7 @@ bool FarJob::move(const std::vector<std::string>& line) {
   player_.set_tool(machine_.tool);
   out.kind = Kind::line;
   out.acceleration = ramp * kLineAcceleration;
-  if (const auto turn = item(line, "VR")) out.turn = std::max(value(*turn), 1) * 0.1 * kRadians;
+  if (const auto turn = item(line, "VR")) out.turn = std::max(value(*turn), 1) * 0.1 * wire::kRadians;
   out.speed = std::max(value(item(line, "V").value_or("1")), 1) * 1e-4;
   if (line[0] == "MOVL") {
     arc_.clear();

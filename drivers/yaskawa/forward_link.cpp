@@ -5,7 +5,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
+
+#include "drivers/wire/six_axes.hpp"
 
 namespace polyarm::yaskawa {
 
@@ -13,15 +14,15 @@ using forward::MoveOrder;
 
 namespace {
 
-constexpr double kDegrees = 180 / std::numbers::pi;
 constexpr double kStillWay = 5e-5;  // rad between readings of a robot that stands
 constexpr int kStillReadings = 3;
-constexpr int kUnread = 10;  // rounds without a state, after which an end is given up
+constexpr int kUnread = 10;          // rounds without a state, after which an end is given up
+constexpr int kRobotMoves = 0x2010;  // added status of a refusal
 // Times of the loop or of this computer, s.
 constexpr double kStarting = 1.0005;                   // until a job that was started counts as stopped
 constexpr double kHolding = 2.0005;                    // for a hold to stop the job
 constexpr double kSameTool = 0.005, kSameTurn = 0.02;  // m, rad between the TCP here and there
-constexpr Nanoseconds kEnd = 3'000'000'000;            // for the robot to stand
+constexpr Nanoseconds kToStand = 3'000'000'000;        // for the robot to stand
 
 }  // namespace
 
@@ -167,11 +168,16 @@ bool ForwardLink::has_stopped() const {
   return still_readings_ >= kStillReadings;
 }
 
-/// The robot stands: the job begins again at its first line when it is started, and has no move.
+/// The robot stands: the job begins again at its first line when it is started, and has no move. A very slow
+/// robot can seem to stand while it still slows down: the controller refuses then, and is asked again.
 void ForwardLink::await_halt() {
   if (!holding_ || !has_stopped()) return;
   forgotten_ = true;
-  if (!came(hses_.set_double(SharedDoubles::ended, put_)) || !came(hses_.select_job(kMovesJob))) return;
+  if (!came(hses_.set_double(SharedDoubles::ended, put_))) return;
+  const bool selected = hses_.select_job(kMovesJob);
+  const Hses::Failure& why = hses_.failure();
+  if (!selected && why.cause == Cause::hses_refused && why.detail == kRobotMoves) return;
+  if (!came(selected)) return;
   halted_ = halting_;
   halting_ = 0;
 }
@@ -237,7 +243,7 @@ bool ForwardLink::check_tool() {
   if (norm(way) < kSameTool && turn < kSameTurn) return true;
   note(Cause::tool_differs, static_cast<int>(std::lround(1000 * norm(way))),
        fmt::format("x {:.0f}, y {:.0f}, z {:.0f} mm, turned by {:.1f} degrees", 1000 * way.x, 1000 * way.y,
-                   1000 * way.z, turn * kDegrees));
+                   1000 * way.z, turn * wire::kDegrees));
   return false;
 }
 
@@ -273,7 +279,7 @@ void ForwardLink::end() {
     end_ = End::standing;
     return;
   }
-  over_ = time - ending_since_ > kEnd;
+  over_ = time - ending_since_ > kToStand;
   if (!has_stopped() || !hses_.set_double(SharedDoubles::ended, shared(SharedDoubles::put)) ||
       !hses_.select_job(kMovesJob))
     return;

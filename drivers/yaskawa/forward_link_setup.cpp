@@ -8,7 +8,6 @@ namespace polyarm::yaskawa {
 
 namespace {
 
-constexpr int kFirstRobot = 11;               // instance of the system information
 constexpr Nanoseconds kPause = 5'000'000;     // between two looks
 constexpr Nanoseconds kSlack = 200'000'000;   // beside the timer of the ladder
 constexpr Nanoseconds kStop = 3'000'000'000;  // for a job to stop

@@ -239,8 +239,8 @@ std::optional<HsesPosition> Hses::pose() {
 }
 
 std::optional<HsesPosition> Hses::pulses() {
-  constexpr int kFirstRobot = 1;
-  return position(kFirstRobot);
+  constexpr int kRobotOne = 1;
+  return position(kRobotOne);
 }
 
 std::optional<std::vector<std::int32_t>> Hses::doubles(int first, int count) {

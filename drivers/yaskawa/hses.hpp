@@ -69,6 +69,9 @@ enum class HsesResult : std::uint8_t {
   no_instance = 0x28,
 };
 
+/// Instance of the system information that is about the first robot.
+inline constexpr int kFirstRobot = 11;
+
 struct HsesRequest {
   std::uint8_t division = 1;  ///< 1: robot, 2: files
   std::uint8_t id = 0;
@@ -145,7 +148,7 @@ class Hses {
   bool set_signals(int byte, std::uint8_t value);
   bool hold(bool on);
   bool servo(bool on);
-  /// Jobs run on after their last line was reached, and stop at no other one.
+  /// The cycle mode: a job that is started does not stop after a line or after one pass.
   bool run_continuously();
   /// Its first line is the next one.
   bool select_job(const std::string& name);

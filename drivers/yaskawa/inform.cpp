@@ -4,7 +4,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
+
+#include "drivers/wire/six_axes.hpp"
 
 namespace polyarm::yaskawa {
 
@@ -13,7 +14,6 @@ using wire::Six;
 
 namespace {
 
-constexpr double kDegrees = 180 / std::numbers::pi;
 constexpr int kFastest = 32767;  // of an I variable
 constexpr int kFastestTurn = 1800;
 
@@ -75,7 +75,7 @@ MOVC P{5} V=I{2}
 MOVC P{4} V=I{2} PL=0 ACC=I{3} DEC=I{3}
 JUMP *ENDED
 )";
-constexpr const char* kEnd = "*ENDED\nINC D081\nJUMP *WAIT\nEND\n";
+constexpr const char* kTail = "*ENDED\nINC D081\nJUMP *WAIT\nEND\n";
 
 std::string moves_of(const char* label, int odd) {
   const auto number = [](int n) { return fmt::format("{:03}", n); };
@@ -101,7 +101,7 @@ JobMove job_move(const forward::MoveOrder& order, const forward::MoveFrame& fram
   const forward::CartesianWay way = forward::cartesian_way(move, order.from, frame);
   out.kind = way.arc ? JobMove::arc : way.speed > 0 ? JobMove::line : JobMove::turn;
   if (way.arc) out.via = way.via;
-  const double turn = std::max(way.turn, 1e-3) / std::max(move.duration, 0.01) * kDegrees;
+  const double turn = std::max(way.turn, 1e-3) / std::max(move.duration, 0.01) * wire::kDegrees;
   out.speed = out.kind == JobMove::turn ? whole(10 * turn * order.pace, kFastestTurn)
                                         : whole(10'000 * way.speed * order.pace, kFastest);
   return out;
@@ -121,7 +121,7 @@ Six radians_of(const std::array<std::int32_t, 8>& values, const Six& pulses) noe
 
 Pose pose_of(const HsesPosition& position) noexcept {
   const auto& v = position.values;
-  const auto angle = [&](std::size_t i) { return v[i] * 1e-4 / kDegrees; };
+  const auto angle = [&](std::size_t i) { return v[i] * 1e-4 / wire::kDegrees; };
   return {{v[0] * 1e-6, v[1] * 1e-6, v[2] * 1e-6}, from_rpy(angle(3), angle(4), angle(5))};
 }
 
@@ -130,7 +130,7 @@ double base_height(const kinematics::Chain& chain) {
 }
 
 std::string moves_job() {
-  const std::string lines = std::string(kHead) + kLoop + moves_of("EVEN", 0) + moves_of("ODD", 1) + kEnd;
+  const std::string lines = std::string(kHead) + kLoop + moves_of("EVEN", 0) + moves_of("ODD", 1) + kTail;
   std::string out;
   for (const char one : lines) out += one == '\n' ? std::string("\r\n") : std::string(1, one);
   return out;

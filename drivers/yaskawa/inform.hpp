@@ -18,7 +18,8 @@ inline constexpr std::size_t kMoveSlots = 2;
 inline constexpr int kHeartbeatByte = 2701;  ///< 27010 to 27017
 inline constexpr std::uint8_t kBeatBit = 1, kSessionBit = 2;
 
-/// D variables. The driver writes the odd ones of each pair, the job the others.
+/// D variables. While the job runs, the driver writes `put`, `session` and `output`, and the job the others.
+/// While it stands, the driver may write all but `half`.
 struct SharedDoubles {
   static constexpr int first = 80, count = 7;
   static constexpr int put = 80;           ///< number of the newest move

@@ -5,8 +5,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
+#include "drivers/wire/six_axes.hpp"
 #include "polyarm/base/bounds.hpp"
 #include "polyarm/realtime/periodic.hpp"
 
@@ -14,7 +14,6 @@ namespace polyarm::yaskawa {
 
 namespace {
 
-constexpr double kRadians = std::numbers::pi / 180;
 constexpr Nanoseconds kLook = 20'000'000;    // between two judgements without an event
 constexpr Nanoseconds kRetry = 4'000'000;    // until a point that found the controller busy goes out again
 constexpr Nanoseconds kEnd = 3'000'000'000;  // for a motion to end
@@ -30,13 +29,13 @@ constexpr int kHalfMillisecond = 500;  // µs: the controller cuts the time to m
 
 Ten floats(const Six& degrees) {
   Ten out{};
-  for (std::size_t i = 0; i < 6; ++i) out[i] = static_cast<float>(degrees[i] * kRadians);
+  for (std::size_t i = 0; i < 6; ++i) out[i] = static_cast<float>(degrees[i] * wire::kRadians);
   return out;
 }
 
 Six degrees(const Six& radians) {
   Six out;
-  for (std::size_t i = 0; i < 6; ++i) out[i] = radians[i] / kRadians;
+  for (std::size_t i = 0; i < 6; ++i) out[i] = radians[i] / wire::kRadians;
   return out;
 }
 
@@ -44,7 +43,7 @@ Six degrees(const Six& radians) {
 
 void Link::command(bool move, const Six& joints) noexcept {
   Wanted wanted{move, {}};
-  for (std::size_t i = 0; i < 6; ++i) wanted.joints[i] = joints[i] / kRadians;
+  for (std::size_t i = 0; i < 6; ++i) wanted.joints[i] = joints[i] / wire::kRadians;
   if (!commands_.push(wanted)) return fail(Cause::points_stuck, 0);
   ++pushed_;
   wake();
@@ -172,7 +171,7 @@ void Link::feed(const Wanted& wanted) {
   else
     stream_.brake(settings_.limits);
   const wire::Shaper& shaper = stream_.shaper();
-  current_.behind = shaper.behind() * kRadians;
+  current_.behind = shaper.behind() * wire::kRadians;
   current_.shaped = shaper.shaped();
   if (stream_.time_ms() > kMostTime) return note(Cause::too_long);
   if (stream_.out().size() > kMostPoints) return note(Cause::points_stuck);

@@ -10,7 +10,6 @@ namespace polyarm::yaskawa {
 
 namespace {
 
-constexpr int kFirstRobot = 11;                   // instance of the system information
 constexpr Nanoseconds kStanding = 1'000'000'000;  // for a robot to stand, beside the buffer
 
 }  // namespace

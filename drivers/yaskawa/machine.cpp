@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 #include "drivers/forward/move_frame.hpp"
 #include "drivers/wire/six_axes.hpp"
@@ -13,7 +12,6 @@ namespace polyarm::yaskawa {
 
 namespace {
 
-constexpr double kDegrees = 180 / std::numbers::pi;
 constexpr double kEndless = 36000;            // degrees, of a joint without limits
 constexpr double kFollows = 0.6;              // of the way to the command, in each cycle
 constexpr double kThere = 0.5;                // pulses
@@ -33,7 +31,7 @@ bool is_signal(int number) {
 }  // namespace
 
 MachineFacts facts_of(const description::RobotModel& model) {
-  const wire::AxisFacts axes = wire::axis_facts(model, "yaskawa/gp7", kDegrees);
+  const wire::AxisFacts axes = wire::axis_facts(model, "yaskawa/gp7", wire::kDegrees);
   MachineFacts out;
   out.model = axes.model;
   out.lower = axes.lower;
@@ -213,8 +211,8 @@ Machine::Answer Machine::take(const MotoPoint& point) {
   Motion next;
   next.time = static_cast<int>(point.time * 1000);
   for (std::size_t i = 0; i < 6; ++i) {
-    next.position[i] = point.position[i] * kDegrees;
-    next.velocity[i] = point.velocity[i] * kDegrees;
+    next.position[i] = point.position[i] * wire::kDegrees;
+    next.velocity[i] = point.velocity[i] * wire::kDegrees;
     if (!(std::abs(next.position[i]) < 2 * kEndless)) return invalid(Invalid::position);
     if (refuse_speed || std::abs(next.velocity[i]) > options_.facts.velocity[i])
       return invalid(Invalid::speed);
@@ -324,7 +322,7 @@ MotoFeedback Machine::feedback() const {
   out.group = options_.group;
   out.valid = 6;
   for (std::size_t i = 0; i < 6; ++i) {
-    const double radians = options_.facts.pulses[i] * kDegrees;
+    const double radians = options_.facts.pulses[i] * wire::kDegrees;
     out.position[i] = static_cast<float>(std::round(feedback_[i]) / radians);
     out.velocity[i] = static_cast<float>(speed_[i] / radians);
   }
@@ -379,12 +377,13 @@ HsesPosition Machine::pose() const {
   out.type = 16;
   if (!options_.facts.chain) return out;
   Six joints = q();
-  for (double& one : joints) one /= kDegrees;
+  for (double& one : joints) one /= wire::kDegrees;
   Pose flange = options_.facts.chain->forward(joints) * tool;
   flange.position.z -= base_height(*options_.facts.chain);
   const Vec3 angles = to_rpy(flange.rotation);
-  const double values[] = {flange.position.x * 1e6,   flange.position.y * 1e6,   flange.position.z * 1e6,
-                           angles.x * kDegrees * 1e4, angles.y * kDegrees * 1e4, angles.z * kDegrees * 1e4};
+  const double values[] = {flange.position.x * 1e6,         flange.position.y * 1e6,
+                           flange.position.z * 1e6,         angles.x * wire::kDegrees * 1e4,
+                           angles.y * wire::kDegrees * 1e4, angles.z * wire::kDegrees * 1e4};
   for (std::size_t i = 0; i < 6; ++i) out.values[i] = static_cast<std::int32_t>(std::lround(values[i]));
   return out;
 }

@@ -14,7 +14,6 @@ namespace polyarm::yaskawa {
 namespace {
 
 constexpr const char* kMakersAddress = "192.168.255.1";
-constexpr int kFirstRobot = 11;
 constexpr int kWatchdog_ms = 600;
 
 class Setup {

@@ -307,13 +307,15 @@ std::string forward_sentence(Cause cause, int detail, const std::string& where, 
     case Cause::no_watchdog:
       return where +
              " does not hold the robot when the heartbeat of this computer stops, so nothing is started: "
-             "write the rungs of `polyarm setup yaskawa --write` into its ladder, check `heartbeat_byte`";
+             "write the rungs of `polyarm setup yaskawa --motion forward --write FOLDER` into its ladder, "
+             "check `heartbeat_byte`";
     case Cause::job_runs:
       return where + " runs the job " + (text.empty() ? "of somebody else" : text) +
              ": end it at the pendant, then activate again";
     case Cause::job_version:
       return "the job POLYARM of " + where + " has version " + std::to_string(detail) +
-             ", not that of this program: load the one of `polyarm setup yaskawa --write`";
+             ", not that of this program: load the one of `polyarm setup yaskawa --motion forward --write "
+             "FOLDER`";
     case Cause::job_stopped:
       return "the job POLYARM of " + where +
              " was stopped there: look why, then recover here to start it again";
@@ -329,8 +331,7 @@ std::string forward_sentence(Cause cause, int detail, const std::string& where, 
     case Cause::hold_ignored:
       return where +
              " does not stop its job when it is held; the heartbeat was ended, which stops the robot: look "
-             "at "
-             "the pendant, then recover here";
+             "at the pendant, then recover here";
     case Cause::halt_unconfirmed:
       return "the robot of " + where +
              " did not come to rest after a hold: look at the pendant, then recover here";

@@ -158,6 +158,22 @@ TEST(YaskawaForward, APausedRobotDoesNotMoveWhenSomebodyStartsItsJob) {
   expect_at(rig, at, kStandsWithin);
 }
 
+/// From one reading to the next it moves so little that it seems to stand while it still slows down.
+TEST(YaskawaForward, APauseOfAVerySlowMoveIsNoFault) {
+  Rig rig;
+  ASSERT_TRUE(rig.start()) << rig.component.reason();
+  ASSERT_TRUE(rig.passes(5));
+  ForwardMove slow = rig.turn(1.4);
+  slow.share = 1e-4;
+  ASSERT_TRUE(rig.moves->accept(slow));
+  ASSERT_TRUE(rig.passes(30));
+  ASSERT_TRUE(rig.passes_until([&] { return rig.moves->flow().standing; }, 0, 200));
+  const Six at = rig.q();
+  ASSERT_TRUE(rig.passes(60, 0));
+  expect_at(rig, at, kStandsWithin);
+  EXPECT_FALSE(rig.moves->flow().idle) << "the rest of the move is still to do";
+}
+
 TEST(YaskawaForward, APauseInAnArcGoesOnOnTheArc) {
   Rig rig;
   ASSERT_TRUE(rig.start()) << rig.component.reason();
@@ -385,6 +401,7 @@ TEST(YaskawaForward, WithoutTheHeartbeatTheLadderStopsTheRobotAndNothingGoesOn) 
   bool failed = false;
   for (int i = 0; i < 5 && !failed; ++i) failed = rig.pass() == ReturnType::error;
   ASSERT_TRUE(failed);
+  rig.far().hold_clock(true);  // the driver has ended, and its controller would go on with the real time
   EXPECT_EQ(rig.component.cause(), Cause::hses_silent) << rig.component.reason();
   const double from = rig.q()[0];
   for (int i = 0; i < 20; ++i) rig.far().step();
