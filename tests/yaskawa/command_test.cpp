@@ -78,7 +78,7 @@ TEST(YaskawaSetup, FindsTheControllerAndWritesItsJob) {
 
 // --- forward mode ---
 
-TEST(YaskawaForwardExample, PlacesByTheControllersOwnMotionAndRepeatsItself) {
+TEST(YaskawaForwardExample, PlacesByTheControllersOwnMotion) {
   const ExampleCopy copy("yaskawa_forward");
   const std::vector<std::string> line{"run", copy.path(), "--fast", "--json", "--no-socket"};
   const Finished first = run_command(line);
@@ -87,7 +87,6 @@ TEST(YaskawaForwardExample, PlacesByTheControllersOwnMotionAndRepeatsItself) {
   EXPECT_NE(first.output.find("its own motion over the Ethernet server, a stop at each move"),
             std::string::npos)
       << first.output;
-  EXPECT_EQ(run_command(line).result()["trace_hash"], first.result()["trace_hash"]);
 }
 
 TEST(YaskawaForwardExample, APersonHoldsAndResumesIt) {
