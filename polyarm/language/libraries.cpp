@@ -136,7 +136,9 @@ end
 
 # Backwards from `gap` until `away` is left, and then to a pose around obstacles.
 func undock_to(goal, away = 500mm, gap = 100mm, pace = 100mm/s)
-  drive gap - away, speed pace
+  if away > gap
+    drive gap - away, speed pace
+  end
   drive goal
 end
 )";

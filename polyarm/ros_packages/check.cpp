@@ -226,6 +226,7 @@ struct Check {
         below.replace(at, std::string_view("${PROJECT_NAME}").size(), from.name);
       if (words[0] != "DIRECTORY") continue;
       for (auto word = words.begin() + 1; word != to; ++word) {
+        if (fs::path(*word).is_absolute() || word->find("..") != std::string::npos) continue;
         Package part = from;
         part.folder = from.folder / *word;
         if (!fs::is_directory(part.folder, error)) continue;

@@ -220,6 +220,16 @@ TEST_F(BaseWaysOfPrograms, ItUndocksBackToWhereItBeganToDock) {
   expect_at(0, 0, 0);
 }
 
+TEST_F(BaseWaysOfPrograms, UndockingNeverDrivesIntoTheDock) {
+  start("include \"polyarm:base\"\nundock_to(pose(), away = 50mm, gap = 100mm)\n");
+  double ahead = 0;
+  while (!ended() && now() < 60) {
+    cell->tick();
+    ahead = std::max(ahead, place().x());
+  }
+  EXPECT_LT(ahead, 0.001);
+}
+
 /// An arm beside the base; `check` plans its moves around the base.
 TEST_F(BaseWaysOfPrograms, CheckPlansMovesOfArmsAroundABaseWhereItHasDriven) {
   std::string both = kBaseControllers;
