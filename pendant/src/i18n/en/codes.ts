@@ -299,6 +299,7 @@ export const codes = {
   'told.endless-recursion': 'A function calls itself without end',
   'told.too-deep': 'Nested too deeply',
   'told.reserved': 'The word is reserved',
+  'told.range-step': 'The range counts in steps of 1 of the unit',
   'told.no-start': 'It cannot begin at this line',
   'told.not-included': 'The file is not part of the program',
   'told.no-handler': 'It has no handler',

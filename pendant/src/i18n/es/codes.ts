@@ -297,6 +297,7 @@ export const codes: Record<keyof typeof en, string> = {
   'told.endless-recursion': 'Una función se llama a sí misma sin fin',
   'told.too-deep': 'Anidado demasiado',
   'told.reserved': 'La palabra está reservada',
+  'told.range-step': 'El rango cuenta en pasos de 1 de la unidad',
   'told.no-start': 'No puede empezar en esta línea',
   'told.not-included': 'El archivo no forma parte del programa',
   'told.no-handler': 'No hay tratamiento para ello',
