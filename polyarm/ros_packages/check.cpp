@@ -218,20 +218,20 @@ struct Check {
     std::error_code error;
     if (!fs::exists(from.folder / "CMakeLists.txt", error)) return;
     const std::string text = read_file(from.folder / "CMakeLists.txt", kLargestSource);
+    const auto variables = variables_of(from, text);
     for (const std::vector<std::string>& words : calls(text, "install")) {
       const auto to = std::find(words.begin(), words.end(), "DESTINATION");
-      if (to == words.end() || to + 1 == words.end() || !(to + 1)->starts_with("include/")) continue;
-      std::string below = (to + 1)->substr(std::string_view("include/").size());
-      if (const auto at = below.find("${PROJECT_NAME}"); at != std::string::npos)
-        below.replace(at, std::string_view("${PROJECT_NAME}").size(), from.name);
-      if (words[0] != "DIRECTORY") continue;
+      if (to == words.end() || to + 1 == words.end() || words[0] != "DIRECTORY") continue;
+      const std::string place = meanings(to[1], variables, 0).front();
+      if (!place.starts_with("include/")) continue;
+      const fs::path below = fs::path(place).lexically_relative("include");
       for (auto word = words.begin() + 1; word != to; ++word) {
         if (fs::path(*word).is_absolute() || word->find("..") != std::string::npos) continue;
         Package part = from;
         part.folder = from.folder / *word;
         if (!fs::is_directory(part.folder, error)) continue;
         // With a slash at its end the folder's content is installed, otherwise the folder itself.
-        const fs::path whole = word->ends_with("/") ? fs::path(below) : fs::path(below) / *word;
+        const fs::path whole = word->ends_with("/") ? below : below / *word;
         for (const fs::path& file : sources_of(part))
           own.emplace((whole / file.lexically_relative(part.folder)).lexically_normal().string(), file);
       }
