@@ -174,7 +174,7 @@ class StreamLink : public Base {
     this->changed_.notify_all();
   }
   /// Ends the link if the commands are more than `most` rad behind what the loop wants: for the cause
-  /// `lost`, or, if that is none, for the limit of an axis.
+  /// `lost`; if that is empty, for the limit of an axis.
   template <class Shaper, class Cause>
   void judge_behind(const Shaper& shaper, double behind, double most, Cause lost) {
     if (behind <= most) return;

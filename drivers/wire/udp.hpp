@@ -18,7 +18,7 @@ struct UdpAddress {
   std::uint16_t port = 0;  ///< network byte order
   friend bool operator==(const UdpAddress&, const UdpAddress&) = default;
 };
-/// Of an IPv4 address as text; nothing if either is none.
+/// Of an IPv4 address as text; nothing if the address or the port is not valid.
 std::optional<UdpAddress> udp_address(const std::string& host, int port);
 /// "10.0.0.1". Allocates.
 std::string host_text(const UdpAddress& address);

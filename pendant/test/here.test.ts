@@ -11,7 +11,7 @@ describe('the current lines of a text', () => {
   it('are that of the program', () => {
     expect(linesIn('a.script', program('a.script', 7), [task('a.script', 6)])).toEqual([7]);
   });
-  it('are none once it has ended, or before it has begun', () => {
+  it('are empty before the program begins and after it ends', () => {
     expect(linesIn('a.script', program('a.script', 7, { ended: true }), [])).toEqual([]);
     expect(linesIn('a.script', program('a.script', 7, { state: 'ready' }), [])).toEqual([]);
   });

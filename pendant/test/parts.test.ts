@@ -9,7 +9,7 @@ const at = (name: string, x: number, more = {}) => readPart({ name, ...pose(x), 
 const done = (parts: ReturnType<typeof at>[], things: ReturnType<typeof scene>) => partsDone(parts, things).done;
 
 describe('parts that are done', () => {
-  it('are none while they lie in the bin in which they began', () => {
+  it('does not count parts in the bin in which they began', () => {
     const things = scene([{ name: 'blank', pose: pose(0), visuals: [] }]);
     expect(partsDone([at('blank', 0)], things)).toEqual({ done: 0, all: 1 });
     expect(done([at('blank', 0.6)], things)).toBe(1);

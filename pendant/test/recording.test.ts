@@ -6,7 +6,7 @@ const { recordWords, sizeText } = await import('../src/pages/plots/recording');
 const facts = { recording: true, file: '/cells/press/.state/recordings/run_3.mcap', seconds: 75.2, rate: 100, messages: 900, bytes: 3_400_000, lost: 0, problem: '' };
 
 describe('a recording', () => {
-  it('is told with its file, time and size', () => {
+  it('is reported with its file, time and size', () => {
     expect(recordWords(facts)).toBe('Recording run_3.mcap: 1:15, 3.4 MB');
     expect(recordWords({ ...facts, recording: false })).toBe('Recorded run_3.mcap: 1:15, 3.4 MB');
   });

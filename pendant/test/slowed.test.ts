@@ -19,7 +19,7 @@ describe('a planned move that is slower than planned', () => {
     expect(slowedWords([near(0, 'left/forearm_link', 'right/wrist_3_link')], robots, false)).toBe('Held 42 mm before right/wrist_3_link: left/forearm_link');
     expect(slowedWords([near(0, 'left/forearm_link', 'left/base_link')], robots, true)).toBe('Held 42 mm before left/base_link: left/forearm_link');
   });
-  it('is told of the robot that stands before one that is only slow', () => {
+  it('names a robot that stands before one that is only slow', () => {
     expect(slowedWords([near(0.5, 'left/forearm_link', 'fixture table'), near(0, 'right/wrist_1_link', 'left/tool')], robots, true)).toMatch(/^right waits for left/);
   });
 });

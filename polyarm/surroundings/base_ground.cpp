@@ -260,7 +260,7 @@ void Ground::add_other(const SweptBody& body) {
   }
 }
 
-/// What stands on the ground beside the base does not lie on it.
+/// A part on the ground beside the base does not lie on the base.
 bool Ground::lies_on_base(const SweptBody& part, const Pose& place) const {
   for (const ConvexBody& piece : part.pieces)
     if (bottom(moved(place, piece)) <= low_ + kGround) return false;

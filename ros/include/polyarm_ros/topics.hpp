@@ -106,7 +106,7 @@ struct Listener {
   const std::type_info* const type;
   const std::function<void(const void*)> deliver;
   std::string type_name;  ///< "std_msgs/msg/String"; empty for messages without a definition
-  std::function<std::shared_ptr<const void>(const Payload&)> from_bytes;  ///< null for a message that is none
+  std::function<std::shared_ptr<const void>(const Payload&)> from_bytes;  ///< null: not read from bytes
   Port port;  ///< null if nothing comes from the graph
   std::function<std::shared_ptr<const void>(polyarm::hardware::NodePort&)> take_from_port;
 

@@ -1,5 +1,5 @@
 #pragma once
-/// A value, or why there is none: tl::expected with its chains (map, and_then, or_else, map_error).
+/// A value, or an error in its place: tl::expected with its chains (map, and_then, or_else, map_error).
 #include <functional>
 #include <stdexcept>
 #include <type_traits>
