@@ -22,4 +22,15 @@ class YaskawaMoveRig : public YaskawaRig {
 /// The driver on its simulated controller, with moves for it.
 using YaskawaForwardRig = ForwardMoveRig<YaskawaMoveRig>;
 
+inline constexpr double kStandsWithin = 2e-4;  // rad: a robot that moves by less counts as standing
+
+/// What a person does at the controller. The servos stay off.
+inline void repair(FarSide& far) {
+  for (const char* order : {"release", "reset", "unhold", "remote", "healthy"}) far.order(order);
+}
+
+inline void expect_at(YaskawaForwardRig& rig, const Six& q, double within) {
+  for (std::size_t j = 0; j < 6; ++j) EXPECT_NEAR(rig.q()[j], q[j], within) << "joint " << j;
+}
+
 }  // namespace polyarm::test
