@@ -129,47 +129,6 @@ CallbackReturn FanucComponent::on_init(const hardware::ComponentContext& context
   return CallbackReturn::success;
 }
 
-CallbackReturn FanucComponent::on_configure() {
-  if (!forward_) return StreamComponent::on_configure();
-  active_ = false;
-  return forward_->open() ? CallbackReturn::success : CallbackReturn::failure;
-}
-
-CallbackReturn FanucComponent::on_activate() {
-  if (!forward_) return StreamComponent::on_activate();
-  watch_.begin();
-  if (!forward_->start()) return CallbackReturn::failure;
-  active_ = true;
-  return CallbackReturn::success;
-}
-
-CallbackReturn FanucComponent::on_deactivate() {
-  if (!forward_) return StreamComponent::on_deactivate();
-  active_ = false;
-  forward_->stop();
-  return CallbackReturn::success;
-}
-
-CallbackReturn FanucComponent::on_cleanup() {
-  if (!forward_) return StreamComponent::on_cleanup();
-  active_ = false;
-  forward_->close();
-  return CallbackReturn::success;
-}
-
-bool FanucComponent::await_cycle(Nanoseconds timeout) noexcept {
-  return forward_ ? forward_->await(timeout) : StreamComponent::await_cycle(timeout);
-}
-
-std::string FanucComponent::reason() const {
-  return forward_ ? forward_->reason() : StreamComponent::reason();
-}
-
-Cause FanucComponent::cause() const noexcept {
-  if (!forward_) return StreamComponent::cause();
-  return forward_->cause() != Cause::none ? forward_->cause() : forward_->refused();
-}
-
 std::vector<hardware::InterfaceDescription> FanucComponent::state_interfaces() const {
   std::vector<hardware::InterfaceDescription> out;
   const auto add = [&](const std::string& name) { out.push_back({robot_ + "/" + name}); };

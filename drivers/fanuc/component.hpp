@@ -9,8 +9,7 @@
 
 #include "drivers/fanuc/forward_link.hpp"
 #include "drivers/fanuc/link.hpp"
-#include "drivers/forward/readings.hpp"
-#include "drivers/wire/forward_watch.hpp"
+#include "drivers/forward/forward_component.hpp"
 #include "drivers/wire/stream_component.hpp"
 
 namespace polyarm::fanuc {
@@ -28,21 +27,14 @@ namespace polyarm::fanuc {
 ///
 /// In forward mode the commands of joints are not sent: moves come over ForwardMoves. States that only Stream
 /// Motion has are NaN.
-class FanucComponent : public wire::StreamComponent<Link, Cause>, public hardware::TakesMoves {
+class FanucComponent
+    : public forward::ForwardComponent<wire::StreamComponent<Link, Cause>, ForwardLink, Cause> {
  public:
   static constexpr std::size_t kStates = 3;  ///< of each joint, the position first
 
   hardware::CallbackReturn on_init(const hardware::ComponentContext& context) override;
   std::vector<hardware::InterfaceDescription> state_interfaces() const override;
   std::vector<hardware::InterfaceDescription> command_interfaces() const override;
-  hardware::CallbackReturn on_configure() override;
-  hardware::CallbackReturn on_activate() override;
-  hardware::CallbackReturn on_deactivate() override;
-  hardware::CallbackReturn on_cleanup() override;
-  bool await_cycle(Nanoseconds timeout) noexcept override;
-  std::string reason() const override;
-  hardware::ForwardMoves* forward_moves(std::uint32_t layout) noexcept override;
-  Cause cause() const noexcept;
   hardware::ReturnType read(const hardware::Cycle& cycle, std::span<double> states) noexcept override;
   hardware::ReturnType write(const hardware::Cycle& cycle,
                              std::span<const double> commands) noexcept override;
@@ -50,7 +42,6 @@ class FanucComponent : public wire::StreamComponent<Link, Cause>, public hardwar
   std::string summary() const override;
 
  protected:
-  ForwardLink* forward() noexcept { return forward_.get(); }
   const std::vector<std::string>& joint_names() const { return joints_; }
   bool stepped_forward_ = false;  ///< the simulated controller's clock waits for the loop
 
@@ -60,10 +51,6 @@ class FanucComponent : public wire::StreamComponent<Link, Cause>, public hardwar
   hardware::ReturnType read_forward(const hardware::Cycle& cycle, std::span<double> states) noexcept;
   hardware::ReturnType write_forward(std::span<const double> commands) noexcept;
 
-  std::unique_ptr<ForwardLink> forward_;  ///< instead of link_, in forward mode
-  wire::ForwardWatch watch_;
-  forward::Readings readings_;  ///< the control thread's
-  std::shared_ptr<const kinematics::Chain> flange_;
   double world_height_ = 0;
   LinkSettings settings_;
   std::string name_, robot_;

@@ -36,26 +36,13 @@ void FanucComponent::make_forward(const hardware::ComponentContext& context, har
   forward_ = std::make_unique<ForwardLink>(std::move(out));
 }
 
-hardware::ForwardMoves* FanucComponent::forward_moves(std::uint32_t layout) noexcept {
-  return layout == hardware::kForwardLayout ? forward_.get() : nullptr;
-}
-
 /// What only Stream Motion says is NaN.
 ReturnType FanucComponent::read_forward(const hardware::Cycle& cycle, std::span<double> states) noexcept {
   constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
   constexpr std::size_t kForces = 6;
   forward_->fetch();
   const ForwardSample& sample = forward_->sample();
-  const bool read = sample.count > 0;
-  const Six& q = readings_.at(sample.q, sample.count, cycle);
-  std::size_t at = 0;
-  for (std::size_t j = 0; j < 6; ++j)
-    for (const double value : {q[j], sample.dq[j], kUnknown}) states[at++] = read ? value : kUnknown;
-  const Pose flange = flange_->forward(q);
-  const Vec3& p = flange.position;
-  const Quaternion& r = flange.rotation;
-  for (const double value : {p.x, p.y, p.z - world_height_, r.x, r.y, r.z, r.w})
-    states[at++] = read ? value : kUnknown;
+  std::size_t at = show_arm(sample, cycle, kStates, world_height_, states);
   for (std::size_t i = 0; i < kForces; ++i) states[at++] = kUnknown;
   for (const double value : {sample.ready ? 1.0 : 0.0, sample.moving ? 1.0 : 0.0, sample.error ? 1.0 : 0.0,
                              sample.teach ? 1.0 : 0.0, kUnknown, kUnknown, kUnknown, 0.0, 0.0, 0.0})
@@ -72,10 +59,7 @@ ReturnType FanucComponent::write_forward(std::span<const double> commands) noexc
   if (!active_) return ReturnType::ok;
   std::copy_n(commands.begin() + 6, settings_.outputs.count, outputs_.digital.begin());
   forward_->cycle(outputs_);
-  const auto joint = watch_.strays(commands, readings_.shown());
-  if (!joint) return ReturnType::ok;
-  forward_->fail(Cause::joint_commands, *joint);
-  return ReturnType::error;
+  return judge_joints(commands);
 }
 
 }  // namespace polyarm::fanuc

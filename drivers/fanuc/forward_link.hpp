@@ -57,6 +57,7 @@ class ForwardLink : public RmiLink, public hardware::ForwardMoves {
   /// Stops the robot and ends remote motion.
   void stop();
 
+  hardware::ForwardMoves& moves() noexcept { return *this; }
   bool accept(const hardware::ForwardMove& move) noexcept override;
   void set_pace(double share) noexcept override;
   void clear() noexcept override;

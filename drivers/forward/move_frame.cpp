@@ -55,6 +55,21 @@ int tool_flange(const description::RobotModel& model, int otherwise) {
   return otherwise;
 }
 
+MoveFrame frame_of(const hardware::RobotInstance& robot,
+                   const std::array<const description::Joint*, 6>& joints, double line_acceleration) {
+  constexpr double kVelocity = 1, kAcceleration = 10;  // rad/s and rad/s²
+  MoveFrame out;
+  out.base = robot.base;
+  out.flange = std::make_shared<const kinematics::Chain>(
+      *robot.model, tool_flange(*robot.model, joints.back()->child_link));
+  for (std::size_t i = 0; i < joints.size(); ++i) {
+    out.velocity[i] = joints[i]->limits.velocity.value_or(kVelocity);
+    out.acceleration[i] = joints[i]->limits.acceleration.value_or(kAcceleration);
+  }
+  out.line_acceleration = line_acceleration;
+  return out;
+}
+
 Pose tool_of(const ForwardMove& move, const MoveFrame& frame) {
   return inverse(frame.flange->forward(end_of(move))) * inverse(frame.base) * move.at;
 }

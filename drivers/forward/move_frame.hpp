@@ -1,12 +1,14 @@
 #pragma once
 /// Moves of the runtime in the terms of a controller with six axes: tool, speeds that no joint exceeds,
 /// blends, points of arcs. Metres, radians, seconds. Any thread; allocates.
+#include <array>
 #include <memory>
 #include <string>
 
 #include "drivers/forward/move_buffer.hpp"
 #include "polyarm/base/pose.hpp"
 #include "polyarm/description/robot_model.hpp"
+#include "polyarm/hardware/component.hpp"
 #include "polyarm/kinematics/chain.hpp"
 
 namespace polyarm::forward {
@@ -21,6 +23,9 @@ struct MoveFrame {
 /// The link of the controller's tool flange, with its z axis out of the flange; `otherwise` if the model has
 /// none.
 int tool_flange(const description::RobotModel& model, int otherwise);
+/// Of a robot with these joints. 1 rad/s and 10 rad/s² stand for limits that the description does not state.
+MoveFrame frame_of(const hardware::RobotInstance& robot,
+                   const std::array<const description::Joint*, 6>& joints, double line_acceleration);
 
 /// The TCP in the flange at the end of the move.
 Pose tool_of(const hardware::ForwardMove& move, const MoveFrame& frame);

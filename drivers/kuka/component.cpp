@@ -169,30 +169,17 @@ std::vector<hardware::InterfaceDescription> KukaComponent::command_interfaces() 
 
 CallbackReturn KukaComponent::on_configure() {
   guided_ = placed_ = false;
-  if (!forward_) return StreamComponent::on_configure();
-  active_ = false;
-  return forward_->open() ? CallbackReturn::success : CallbackReturn::failure;
+  return ForwardComponent::on_configure();
 }
 
 CallbackReturn KukaComponent::on_activate() {
-  if (forward_) {
-    watch_.begin();
-    if (!forward_->start()) return CallbackReturn::failure;
-    active_ = true;
-    return CallbackReturn::success;
-  }
-  const CallbackReturn done = StreamComponent::on_activate();
-  if (done == CallbackReturn::success) guided_ = true;
+  const CallbackReturn done = ForwardComponent::on_activate();
+  if (done == CallbackReturn::success && !forward_) guided_ = true;
   return done;
 }
 
 CallbackReturn KukaComponent::on_deactivate() {
-  if (forward_) {
-    active_ = false;
-    forward_->stop();
-    return CallbackReturn::success;
-  }
-  const CallbackReturn done = StreamComponent::on_deactivate();
+  const CallbackReturn done = ForwardComponent::on_deactivate();
   guided_ = false;
   return done;
 }

@@ -4,10 +4,9 @@
 #include <string>
 #include <vector>
 
-#include "drivers/forward/readings.hpp"
+#include "drivers/forward/forward_component.hpp"
 #include "drivers/kuka/forward_link.hpp"
 #include "drivers/kuka/link.hpp"
-#include "drivers/wire/forward_watch.hpp"
 #include "drivers/wire/stream_component.hpp"
 
 namespace polyarm::kuka {
@@ -25,18 +24,14 @@ namespace polyarm::kuka {
 ///
 /// In forward mode the commands of joints are not sent: moves come over ForwardMoves, and go to the program
 /// PolyarmMoves over EthernetKRL. RSI is not used. The driver has the override to itself then.
-class KukaComponent : public wire::StreamComponent<Link, Cause>, public hardware::TakesMoves {
+class KukaComponent
+    : public forward::ForwardComponent<wire::StreamComponent<Link, Cause>, ForwardLink, Cause> {
  public:
   static constexpr std::size_t kStates = 2;  ///< of each joint, the position first
   hardware::CallbackReturn on_init(const hardware::ComponentContext& context) override;
   hardware::CallbackReturn on_configure() override;
   hardware::CallbackReturn on_activate() override;
   hardware::CallbackReturn on_deactivate() override;
-  hardware::CallbackReturn on_cleanup() override;
-  bool await_cycle(Nanoseconds timeout) noexcept override;
-  std::string reason() const override;
-  hardware::ForwardMoves* forward_moves(std::uint32_t layout) noexcept override;
-  Cause cause() const noexcept;
   std::vector<hardware::InterfaceDescription> state_interfaces() const override;
   std::vector<hardware::InterfaceDescription> command_interfaces() const override;
   hardware::ReturnType read(const hardware::Cycle& cycle, std::span<double> states) noexcept override;
@@ -46,7 +41,6 @@ class KukaComponent : public wire::StreamComponent<Link, Cause>, public hardware
   std::string summary() const override;
 
  protected:
-  ForwardLink* forward() noexcept { return forward_.get(); }
   const std::vector<std::string>& joint_names() const { return joints_; }
   bool stepped_link_ = false;  ///< the controller's clock waits for answers
 
@@ -57,11 +51,6 @@ class KukaComponent : public wire::StreamComponent<Link, Cause>, public hardware
   hardware::ReturnType write_forward(std::span<const double> commands) noexcept;
   std::string forward_summary() const;
   void add_signals(const EkiState& state, std::uint32_t inputs, std::span<double> states) const noexcept;
-
-  std::unique_ptr<ForwardLink> forward_;  ///< instead of link_, in forward mode
-  std::shared_ptr<const kinematics::Chain> flange_;
-  forward::Readings readings_;
-  wire::ForwardWatch watch_;
 
   LinkSettings settings_;
   wire::SignalRange inputs_;

@@ -9,14 +9,12 @@
 
 namespace polyarm::kuka {
 
-using hardware::CallbackReturn;
 using hardware::ReturnType;
 
 void KukaComponent::make_forward(const hardware::ComponentContext& context, hardware::DriverParameters& p) {
-  constexpr double kAcceleration = 10;  // rad/s², of a joint whose description states none
   const hardware::RobotInstance& robot = context.robots.front();
   if (!settings_.eki)
-    throw Error("bad-value", "`motion: forward` needs EthernetKRL, and `eki: false` says that there is none",
+    throw Error("bad-value", "`motion: forward` needs EthernetKRL, and `eki: false` switches it off",
                 "leave `eki` out, or set `motion: stream`");
   paced_ = false;  // EthernetKRL has no clock
   wire::check_forward(robot, joints_);
@@ -26,14 +24,7 @@ void KukaComponent::make_forward(const hardware::ComponentContext& context, hard
   out.eki_port = settings_.eki_port;
   out.drives_on = settings_.drives_on;
   out.outputs = settings_.outputs;
-  out.frame.base = robot.base;
-  out.frame.flange = std::make_shared<const kinematics::Chain>(
-      *robot.model, forward::tool_flange(*robot.model, joints.back()->child_link));
-  for (std::size_t i = 0; i < 6; ++i) {
-    out.frame.velocity[i] = joints[i]->limits.velocity.value_or(1);
-    out.frame.acceleration[i] = joints[i]->limits.acceleration.value_or(kAcceleration);
-  }
-  out.frame.line_acceleration = p.number("line_acceleration");
+  out.frame = forward::frame_of(robot, joints, p.number("line_acceleration"));
   out.poll = nanoseconds(p.number("poll_ms") / 1000);
   out.answer = nanoseconds(p.number("answer_ms") / 1000);
   out.watchdog_ms = static_cast<int>(p.number("watchdog_ms"));
@@ -47,30 +38,6 @@ void KukaComponent::make_forward(const hardware::ComponentContext& context, hard
   forward_ = std::make_unique<ForwardLink>(std::move(out));
 }
 
-hardware::ForwardMoves* KukaComponent::forward_moves(std::uint32_t layout) noexcept {
-  return layout == hardware::kForwardLayout && forward_ ? &forward_->moves() : nullptr;
-}
-
-CallbackReturn KukaComponent::on_cleanup() {
-  if (!forward_) return StreamComponent::on_cleanup();
-  active_ = false;
-  forward_->close();
-  return CallbackReturn::success;
-}
-
-bool KukaComponent::await_cycle(Nanoseconds timeout) noexcept {
-  return forward_ ? forward_->await(timeout) : StreamComponent::await_cycle(timeout);
-}
-
-std::string KukaComponent::reason() const {
-  return forward_ ? forward_->reason() : StreamComponent::reason();
-}
-
-Cause KukaComponent::cause() const noexcept {
-  if (!forward_) return StreamComponent::cause();
-  return forward_->cause() != Cause::none ? forward_->cause() : forward_->refused();
-}
-
 /// What only RSI says is NaN or 0.
 ReturnType KukaComponent::read_forward(const hardware::Cycle& cycle, std::span<double> states) noexcept {
   constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
@@ -78,14 +45,7 @@ ReturnType KukaComponent::read_forward(const hardware::Cycle& cycle, std::span<d
   const ForwardSample& sample = forward_->sample();
   const EkiState& s = sample.state;
   const bool seen = sample.count > 0;
-  const wire::Six& q = readings_.at(sample.q, sample.count, cycle);
-  std::size_t at = 0;
-  for (std::size_t j = 0; j < 6; ++j)
-    for (const double value : {q[j], sample.dq[j]}) states[at++] = seen ? value : kUnknown;
-  const Pose flange = flange_->forward(q);
-  const Vec3& p = flange.position;
-  const Quaternion& r = flange.rotation;
-  for (const double value : {p.x, p.y, p.z, r.x, r.y, r.z, r.w}) states[at++] = seen ? value : kUnknown;
+  std::size_t at = show_arm(sample, cycle, kStates, 0, states);
   const bool automatic = s.mode == OperatingMode::automatic || s.mode == OperatingMode::external;
   for (const bool on : {s.drives, automatic, s.program == ProgramState::active, s.rsi, s.guard_stop,
                         s.emergency_stop, s.message})
@@ -101,10 +61,7 @@ ReturnType KukaComponent::write_forward(std::span<const double> commands) noexce
   if (!active_) return ReturnType::ok;
   std::copy_n(commands.begin() + 6, settings_.outputs.count, outputs_.digital.begin());
   forward_->cycle(outputs_);
-  const auto joint = watch_.strays(commands, readings_.shown());
-  if (!joint) return ReturnType::ok;
-  forward_->fail(Cause::joint_commands, *joint);
-  return ReturnType::error;
+  return judge_joints(commands);
 }
 
 std::string KukaComponent::forward_summary() const {

@@ -1,5 +1,5 @@
 /// The component in forward mode: the controller interpolates.
-#include <memory>
+#include <algorithm>
 
 #include "drivers/ur/component.hpp"
 #include "polyarm/base/error.hpp"
@@ -9,7 +9,6 @@ namespace polyarm::ur {
 using hardware::ReturnType;
 
 void UrComponent::make_forward(const hardware::ComponentContext& context, hardware::DriverParameters& p) {
-  constexpr double kAcceleration = 10;  // rad/s², of a joint whose description states none
   const hardware::RobotInstance& robot = context.robots.front();
   if (!settings_.io)
     throw Error("bad-value",
@@ -20,15 +19,8 @@ void UrComponent::make_forward(const hardware::ComponentContext& context, hardwa
                 "add position to the command interfaces of the joints, or set `motion: stream`");
   wire::check_forward(robot, joints_);
   const auto joints = wire::six_revolute_joints(*robot.model, "universal_robots/ur5e");
-  MoveFrame frame;
-  frame.base = robot.base;
-  frame.flange = std::make_shared<const kinematics::Chain>(
-      *robot.model, forward::tool_flange(*robot.model, joints.back()->child_link));
-  for (std::size_t i = 0; i < 6; ++i) {
-    frame.velocity[i] = velocity_limits_[i];
-    frame.acceleration[i] = joints[i]->limits.acceleration.value_or(kAcceleration);
-  }
-  frame.line_acceleration = p.number("line_acceleration");
+  MoveFrame frame = forward::frame_of(robot, joints, p.number("line_acceleration"));
+  std::copy_n(velocity_limits_.begin(), frame.velocity.size(), frame.velocity.begin());
   p.problems().throw_if_errors();
   settings_.forward = std::move(frame);
 }

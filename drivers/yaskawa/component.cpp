@@ -181,30 +181,14 @@ void YaskawaComponent::make_stream(const hardware::ComponentContext& context, ha
   link_ = std::make_unique<Link>(settings_);
 }
 
-CallbackReturn YaskawaComponent::on_configure() {
-  if (!forward_) return StreamComponent::on_configure();
-  active_ = false;
-  return forward_->open() ? CallbackReturn::success : CallbackReturn::failure;
-}
-
 CallbackReturn YaskawaComponent::on_activate() {
-  if (forward_) {
-    watch_.begin();
-    if (!forward_->start()) return CallbackReturn::failure;
-    active_ = true;
-    return CallbackReturn::success;
-  }
   outputs_.assign(outputs_.size(), Outputs());
-  return StreamComponent::on_activate();
+  return ForwardComponent::on_activate();
 }
 
 /// Outputs that waited for the robot are switched when it stands.
 CallbackReturn YaskawaComponent::on_deactivate() {
-  if (forward_) {
-    active_ = false;
-    forward_->stop();
-    return CallbackReturn::success;
-  }
+  if (forward_) return ForwardComponent::on_deactivate();
   const bool well = active_ && link_->cause() == Cause::none;
   const CallbackReturn done = StreamComponent::on_deactivate();
   if (!well || link_->cause() != Cause::none) return done;

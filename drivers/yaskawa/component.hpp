@@ -5,8 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "drivers/forward/readings.hpp"
-#include "drivers/wire/forward_watch.hpp"
+#include "drivers/forward/forward_component.hpp"
 #include "drivers/wire/stream_component.hpp"
 #include "drivers/yaskawa/forward_link.hpp"
 #include "drivers/yaskawa/link.hpp"
@@ -27,18 +26,13 @@ namespace polyarm::yaskawa {
 ///
 /// In forward mode the commands of joints are not sent: moves come over ForwardMoves, and go to the job
 /// POLYARM over the Ethernet server. MotoROS is not used. Outputs are switched between two moves.
-class YaskawaComponent : public wire::StreamComponent<Link, Cause>, public hardware::TakesMoves {
+class YaskawaComponent
+    : public forward::ForwardComponent<wire::StreamComponent<Link, Cause>, ForwardLink, Cause> {
  public:
   static constexpr std::size_t kStates = 3;  ///< of each joint, the position first
   hardware::CallbackReturn on_init(const hardware::ComponentContext& context) override;
-  hardware::CallbackReturn on_configure() override;
   hardware::CallbackReturn on_activate() override;
   hardware::CallbackReturn on_deactivate() override;
-  hardware::CallbackReturn on_cleanup() override;
-  bool await_cycle(Nanoseconds timeout) noexcept override;
-  std::string reason() const override;
-  hardware::ForwardMoves* forward_moves(std::uint32_t layout) noexcept override;
-  Cause cause() const noexcept;
   std::vector<hardware::InterfaceDescription> state_interfaces() const override;
   std::vector<hardware::InterfaceDescription> command_interfaces() const override;
   hardware::ReturnType read(const hardware::Cycle& cycle, std::span<double> states) noexcept override;
@@ -48,7 +42,6 @@ class YaskawaComponent : public wire::StreamComponent<Link, Cause>, public hardw
   std::string summary() const override;
 
  protected:
-  ForwardLink* forward() noexcept { return forward_.get(); }
   const std::vector<std::string>& joint_names() const { return joints_; }
   bool stepped_link_ = false;  ///< the controller's clock waits for the loop
 
@@ -59,11 +52,6 @@ class YaskawaComponent : public wire::StreamComponent<Link, Cause>, public hardw
   hardware::ReturnType read_forward(const hardware::Cycle& cycle, std::span<double> states) noexcept;
   hardware::ReturnType write_forward(std::span<const double> commands) noexcept;
   void add_signals(std::uint32_t inputs, std::uint32_t outputs, std::span<double> states) const noexcept;
-
-  std::unique_ptr<ForwardLink> forward_;  ///< instead of link_, in forward mode
-  std::shared_ptr<const kinematics::Chain> flange_;
-  forward::Readings readings_;
-  wire::ForwardWatch watch_;
 
   LinkSettings settings_;
   std::string robot_;

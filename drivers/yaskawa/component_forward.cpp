@@ -9,7 +9,6 @@
 
 namespace polyarm::yaskawa {
 
-using hardware::CallbackReturn;
 using hardware::ReturnType;
 
 namespace {
@@ -39,11 +38,9 @@ wire::Six pulses_in(const std::string& text) {
 
 void YaskawaComponent::make_forward(const hardware::ComponentContext& context,
                                     hardware::DriverParameters& p) {
-  constexpr double kAcceleration = 10;  // rad/s², of a joint whose description states none
   const hardware::RobotInstance& robot = context.robots.front();
   if (!settings_.hses)
-    throw Error("bad-value",
-                "`motion: forward` needs the Ethernet server, and `hses: false` says that there is none",
+    throw Error("bad-value", "`motion: forward` needs the Ethernet server, and `hses: false` switches it off",
                 "leave `hses` out, or set `motion: stream`");
   wire::check_forward(robot, joints_);
   const auto joints = wire::six_revolute_joints(*robot.model, "yaskawa/gp7");
@@ -52,14 +49,7 @@ void YaskawaComponent::make_forward(const hardware::ComponentContext& context,
   out.hses_port = settings_.hses_port;
   out.servo_on = settings_.servo_on;
   out.inputs = settings_.inputs, out.outputs = settings_.outputs;
-  out.frame.base = robot.base;
-  out.frame.flange = std::make_shared<const kinematics::Chain>(
-      *robot.model, forward::tool_flange(*robot.model, joints.back()->child_link));
-  for (std::size_t i = 0; i < 6; ++i) {
-    out.frame.velocity[i] = joints[i]->limits.velocity.value_or(1);
-    out.frame.acceleration[i] = joints[i]->limits.acceleration.value_or(kAcceleration);
-  }
-  out.frame.line_acceleration = p.number("line_acceleration");
+  out.frame = forward::frame_of(robot, joints, p.number("line_acceleration"));
   out.pulses = pulses_in(p.text("pulses"));
   out.base_height = p.number("base_height");
   if (!(out.base_height > 0)) out.base_height = base_height(*out.frame.flange);
@@ -79,30 +69,6 @@ void YaskawaComponent::make_forward(const hardware::ComponentContext& context,
   forward_ = std::make_unique<ForwardLink>(std::move(out));
 }
 
-hardware::ForwardMoves* YaskawaComponent::forward_moves(std::uint32_t layout) noexcept {
-  return layout == hardware::kForwardLayout && forward_ ? &forward_->moves() : nullptr;
-}
-
-CallbackReturn YaskawaComponent::on_cleanup() {
-  if (!forward_) return StreamComponent::on_cleanup();
-  active_ = false;
-  forward_->close();
-  return CallbackReturn::success;
-}
-
-bool YaskawaComponent::await_cycle(Nanoseconds timeout) noexcept {
-  return forward_ ? forward_->await(timeout) : StreamComponent::await_cycle(timeout);
-}
-
-std::string YaskawaComponent::reason() const {
-  return forward_ ? forward_->reason() : StreamComponent::reason();
-}
-
-Cause YaskawaComponent::cause() const noexcept {
-  if (!forward_) return StreamComponent::cause();
-  return forward_->cause() != Cause::none ? forward_->cause() : forward_->refused();
-}
-
 /// What only MotoROS says is NaN or 0.
 ReturnType YaskawaComponent::read_forward(const hardware::Cycle& cycle, std::span<double> states) noexcept {
   constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
@@ -110,14 +76,7 @@ ReturnType YaskawaComponent::read_forward(const hardware::Cycle& cycle, std::spa
   const ForwardSample& sample = forward_->sample();
   const HsesStatus& s = sample.status;
   const bool seen = sample.count > 0;
-  const wire::Six& q = readings_.at(sample.q, sample.count, cycle);
-  std::size_t at = 0;
-  for (std::size_t j = 0; j < 6; ++j)
-    for (const double value : {q[j], sample.dq[j], kUnknown}) states[at++] = seen ? value : kUnknown;
-  const Pose flange = flange_->forward(q);
-  const Vec3& p = flange.position;
-  const Quaternion& r = flange.rotation;
-  for (const double value : {p.x, p.y, p.z, r.x, r.y, r.z, r.w}) states[at++] = seen ? value : kUnknown;
+  std::size_t at = show_arm(sample, cycle, kStates, 0, states);
   const auto shows = [seen](bool on) { return !seen ? kUnknown : on ? 1.0 : 0.0; };
   const bool ready = s.servo && s.remote && !s.holds() && !s.alarm && !s.error;
   for (const double value :
@@ -134,10 +93,7 @@ ReturnType YaskawaComponent::write_forward(std::span<const double> commands) noe
   Outputs outputs;
   std::copy_n(commands.begin() + 6, settings_.outputs.count, outputs.digital.begin());
   forward_->cycle(outputs);
-  const auto joint = watch_.strays(commands, readings_.shown());
-  if (!joint) return ReturnType::ok;
-  forward_->fail(Cause::joint_commands, *joint);
-  return ReturnType::error;
+  return judge_joints(commands);
 }
 
 }  // namespace polyarm::yaskawa
