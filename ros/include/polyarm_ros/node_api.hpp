@@ -26,6 +26,8 @@ class NodeApi {
   NodeApi(const std::string& name, const std::string& name_space, const rclcpp::NodeOptions& options)
       : core_(std::make_shared<rclcpp::node_interfaces::NodeCore>(name, name_space, options)) {}
   NodeApi(const std::string& name, const rclcpp::NodeOptions& options) : NodeApi(name, "", options) {}
+  /// Another view of a node that exists.
+  explicit NodeApi(rclcpp::node_interfaces::NodeCore::SharedPtr core) : core_(std::move(core)) {}
   virtual ~NodeApi() = default;
   NodeApi(const NodeApi&) = delete;
   NodeApi& operator=(const NodeApi&) = delete;

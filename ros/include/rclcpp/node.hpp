@@ -19,6 +19,17 @@ class Node : public polyarm_ros::NodeApi, public std::enable_shared_from_this<No
   }
 };
 
+/// The interfaces of a node serve as the node.
+template <typename Message, typename... Rest>
+auto create_publisher(const node_interfaces::NodeCore::SharedPtr& core, const std::string& topic,
+                      const QoS& qos, Rest&&...) {
+  return polyarm_ros::NodeApi(core).make_publisher<Publisher<Message>>(topic, qos);
+}
+template <typename Message, typename Callback, typename... Rest>
+auto create_subscription(const node_interfaces::NodeCore::SharedPtr& core, const std::string& topic,
+                         const QoS& qos, Callback&& call, Rest&&...) {
+  return polyarm_ros::NodeApi(core).create_subscription<Message>(topic, qos, std::forward<Callback>(call));
+}
 template <typename Message, typename NodePointer, typename... Rest>
 auto create_publisher(NodePointer&& node, const std::string& topic, const QoS& qos, Rest&&...) {
   return node->template create_publisher<Message>(topic, qos);

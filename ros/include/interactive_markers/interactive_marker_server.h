@@ -1,0 +1,2 @@
+#pragma once
+#include "interactive_markers/interactive_marker_server.hpp"

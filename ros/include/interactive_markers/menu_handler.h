@@ -1,0 +1,2 @@
+#pragma once
+#include "interactive_markers/menu_handler.hpp"

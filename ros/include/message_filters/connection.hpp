@@ -1,0 +1,18 @@
+#pragma once
+#include <functional>
+#include <utility>
+
+namespace message_filters {
+/// A registered callback. It stays registered when this object ends.
+class Connection {
+ public:
+  Connection() = default;
+  explicit Connection(std::function<void()> end) : end_(std::move(end)) {}
+  void disconnect() {
+    if (const auto end = std::exchange(end_, nullptr)) end();
+  }
+
+ private:
+  std::function<void()> end_;
+};
+}  // namespace message_filters

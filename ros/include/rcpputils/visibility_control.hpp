@@ -1,0 +1,4 @@
+#pragma once
+#define RCPPUTILS_PUBLIC
+#define RCPPUTILS_LOCAL
+#define RCPPUTILS_PUBLIC_TYPE
