@@ -139,8 +139,29 @@ class Follower : public controller_interface::ChainableControllerInterface {
   }
 };
 
+/// Written for Galactic and Foxy: init with a name, the node as a member, update without a time.
+class Early : public controller_interface::ControllerInterface {
+ public:
+  return_type init(const std::string& name) override {
+    if (const auto result = ControllerInterface::init(name); result != return_type::SUCCESS) return result;
+    node_->declare_parameter<double>("speed", 0.5);
+    return return_type::SUCCESS;
+  }
+  InterfaceConfiguration command_interface_configuration() const override {
+    return {interface_configuration_type::INDIVIDUAL, {"elbow/position"}};
+  }
+  InterfaceConfiguration state_interface_configuration() const override {
+    return {interface_configuration_type::NONE, {}};
+  }
+  return_type update() override {
+    command_interfaces_[0].set_value(node_->get_parameter("speed").as_double());
+    return return_type::SUCCESS;
+  }
+};
+
 }  // namespace wrapped_controllers
 
+PLUGINLIB_EXPORT_CLASS(wrapped_controllers::Early, controller_interface::ControllerInterface)
 PLUGINLIB_EXPORT_CLASS(wrapped_controllers::Mover, controller_interface::ControllerInterface)
 PLUGINLIB_EXPORT_CLASS(wrapped_controllers::Listening, controller_interface::ControllerInterface)
 PLUGINLIB_EXPORT_CLASS(wrapped_controllers::Dozing, controller_interface::ControllerInterface)
@@ -183,6 +204,13 @@ TEST(RosController, CommandsOfAMessageGoThroughItsParameters) {
   }
   arm.update();
   EXPECT_EQ(arm.command("elbow/position"), 1.5);
+}
+
+TEST(RosController, OneOfAnEarlyReleaseInitializesAndUpdatesInItsOwnForm) {
+  ControllerRig arm = rig("wrapped_controllers::Early", {{"speed", {"0.75"}}});
+  ASSERT_TRUE(arm.start());
+  EXPECT_EQ(arm.update(), Return::ok);
+  EXPECT_EQ(arm.command("elbow/position"), 0.75);
 }
 
 TEST(RosController, ParametersThatWereNeverReadAreOld) {

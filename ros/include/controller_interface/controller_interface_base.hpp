@@ -23,7 +23,7 @@
 
 namespace controller_interface {
 
-enum class return_type : std::uint8_t { OK = 0, ERROR = 1 };
+enum class return_type : std::uint8_t { OK = 0, ERROR = 1, SUCCESS = OK };  // SUCCESS in Foxy
 enum class interface_configuration_type : std::uint8_t {
   ALL = 0,
   INDIVIDUAL = 1,
@@ -53,37 +53,37 @@ class ControllerInterfaceBase : public rclcpp_lifecycle::node_interfaces::Lifecy
     state_interfaces_.clear();
   }
 
+  /// For the wrapper. The forms below are those of Rolling, Jazzy, Humble and Galactic, newest first: each
+  /// calls the newer one, so a controller may override any of them and calls its base class there.
   return_type init(const ControllerInterfaceParams& params) {
-    params_ = params;
-    if (params_.update_rate == 0) params_.update_rate = params_.controller_manager_update_rate;
-    rclcpp::NodeOptions options = params.node_options;
-    const rclcpp::NodeOptions custom = define_custom_node_options();
-    options.allow_undeclared_parameters(custom.allow_undeclared_parameters());
-    options.automatically_declare_parameters_from_overrides(
-        custom.automatically_declare_parameters_from_overrides());
-    node_ = std::make_shared<Node>(params.controller_name, params.node_namespace, options, false);
-    node_->get_node_base_interface()->polyarm_robot_description = params.robot_description;
-    node_->register_on_configure([this](const auto& state) { return on_configure(state); });
-    node_->register_on_cleanup([this](const auto& state) { return on_cleanup(state); });
-    node_->register_on_activate([this](const auto& state) { return on_activate(state); });
-    node_->register_on_deactivate([this](const auto& state) { return on_deactivate(state); });
-    node_->register_on_shutdown([this](const auto& state) { return on_shutdown(state); });
-    node_->register_on_error([this](const auto& state) { return on_error(state); });
+    make_node(params);
+    return init(params.controller_name);
+  }
+  virtual return_type init(const std::string& name, const std::string& description, unsigned int rate,
+                           const std::string& name_space, const rclcpp::NodeOptions& options) {
+    if (!node_) {
+      ControllerInterfaceParams params;
+      params.controller_name = name;
+      params.robot_description = description;
+      params.update_rate = params.controller_manager_update_rate = rate;
+      params.node_namespace = name_space;
+      params.node_options = options;
+      make_node(params);
+    }
     return on_init() == CallbackReturn::SUCCESS ? return_type::OK : return_type::ERROR;
   }
-  return_type init(const std::string& name, const std::string& description, unsigned int rate,
-                   const std::string& name_space, const rclcpp::NodeOptions& options) {
-    ControllerInterfaceParams params;
-    params.controller_name = name;
-    params.robot_description = description;
-    params.update_rate = params.controller_manager_update_rate = rate;
-    params.node_namespace = name_space;
-    params.node_options = options;
-    return init(params);
+  virtual return_type init(const std::string& name, const std::string& name_space,
+                           const rclcpp::NodeOptions& options) {
+    return init(name, params_.robot_description, params_.update_rate, name_space, options);
+  }
+  virtual return_type init(const std::string& name) {
+    return init(name, params_.node_namespace, params_.node_options);
   }
 
-  virtual CallbackReturn on_init() = 0;
-  virtual return_type update(const rclcpp::Time& time, const rclcpp::Duration& period) = 0;
+  virtual CallbackReturn on_init() { return CallbackReturn::SUCCESS; }
+  virtual return_type update(const rclcpp::Time&, const rclcpp::Duration&) { return update(); }
+  /// The form of Foxy.
+  virtual return_type update() { return return_type::OK; }
   virtual rclcpp::NodeOptions define_custom_node_options() const { return rclcpp::NodeOptions(); }
 
   std::shared_ptr<Node> get_node() const {
@@ -124,9 +124,28 @@ class ControllerInterfaceBase : public rclcpp_lifecycle::node_interfaces::Lifecy
   std::vector<hardware_interface::LoanedCommandInterface> command_interfaces_;
   std::vector<hardware_interface::LoanedStateInterface> state_interfaces_;
 
- private:
-  ControllerInterfaceParams params_;
   std::shared_ptr<Node> node_;
+
+ private:
+  void make_node(const ControllerInterfaceParams& params) {
+    params_ = params;
+    if (params_.update_rate == 0) params_.update_rate = params_.controller_manager_update_rate;
+    rclcpp::NodeOptions options = params.node_options;
+    const rclcpp::NodeOptions custom = define_custom_node_options();
+    options.allow_undeclared_parameters(custom.allow_undeclared_parameters());
+    options.automatically_declare_parameters_from_overrides(
+        custom.automatically_declare_parameters_from_overrides());
+    node_ = std::make_shared<Node>(params.controller_name, params.node_namespace, options, false);
+    node_->get_node_base_interface()->polyarm_robot_description = params.robot_description;
+    node_->register_on_configure([this](const auto& state) { return on_configure(state); });
+    node_->register_on_cleanup([this](const auto& state) { return on_cleanup(state); });
+    node_->register_on_activate([this](const auto& state) { return on_activate(state); });
+    node_->register_on_deactivate([this](const auto& state) { return on_deactivate(state); });
+    node_->register_on_shutdown([this](const auto& state) { return on_shutdown(state); });
+    node_->register_on_error([this](const auto& state) { return on_error(state); });
+  }
+
+  ControllerInterfaceParams params_;
 };
 using ControllerInterfaceBaseSharedPtr = std::shared_ptr<ControllerInterfaceBase>;
 
