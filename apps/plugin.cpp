@@ -72,7 +72,7 @@ int run_build(int argc, char** argv) {
   if (const auto code = app.parse(argc, argv)) return *code;
   const ros_packages::Kit kit;
   Problems problems;
-  const Workspace workspace = open_workspace(path, problems);
+  const Workspace workspace = open_workspace(path, kit, problems);
   print_all(problems.list());
   bool all = true;
   for (const Asked& asked : packages_with_plugins(workspace)) {
@@ -109,7 +109,7 @@ int run_check_plugin(int argc, char** argv) {
   if (const auto code = app.parse(argc, argv)) return *code;
   const ros_packages::Kit kit;
   Problems problems;
-  const Workspace workspace = open_workspace(path, problems);
+  const Workspace workspace = open_workspace(path, kit, problems);
   for (const Asked& asked : packages_with_plugins(workspace)) {
     Problems of_package;
     ros_packages::check_package(*asked.package, workspace.all, kit, of_package);
@@ -167,8 +167,12 @@ int run_interfaces_of_package(int argc, char** argv) {
   app.add_option("file", files, "the files");
   if (const auto code = app.parse(argc, argv)) return *code;
   std::vector<ros_packages::Interface> all;
-  if (files.empty()) all = ros_packages::Kit().interfaces();
-  for (const std::string& file : files) all.push_back(ros_packages::read_interface(package, file));
+  const ros_packages::Kit kit;
+  if (files.empty()) all = kit.interfaces();
+  for (const std::string& file : files) {
+    ros_packages::Interface read = ros_packages::read_interface(package, file);
+    if (!kit.has_interface(read)) all.push_back(std::move(read));  // those of the kit are always there
+  }
   ros_packages::write_headers(all, out);
   return kOk;
 }

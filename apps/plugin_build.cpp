@@ -191,13 +191,15 @@ void install(const fs::path& made, const fs::path& module) {
 }
 }  // namespace
 
-Workspace open_workspace(const std::string& path, Problems& problems) {
+Workspace open_workspace(const std::string& path, const ros_packages::Kit& kit, Problems& problems) {
   Workspace out;
+  const auto replaced = [&](const Package& p) { return kit.replaces(p.name); };
   out.asked = ros_packages::find_packages(path, problems);
+  if (out.asked.size() > 1) std::erase_if(out.asked, replaced);
   out.all = out.asked;
   if (out.asked.size() == 1)
     for (Package& beside : ros_packages::packages_beside(out.asked.front(), problems))
-      out.all.push_back(std::move(beside));
+      if (!replaced(beside)) out.all.push_back(std::move(beside));
   return out;
 }
 

@@ -15,11 +15,12 @@ struct PluginBuild {
   unsigned jobs = 2;
 };
 
-/// The packages of `path`, and for a single package those beside it, which it may need.
+/// The packages of `path`, and for a single package those beside it, which it may need. Packages of ROS that
+/// the kit replaces are left out, except the only one that is asked for.
 struct Workspace {
   std::vector<ros_packages::Package> asked, all;
 };
-Workspace open_workspace(const std::string& path, Problems& problems);
+Workspace open_workspace(const std::string& path, const ros_packages::Kit& kit, Problems& problems);
 
 /// Builds one package's hardware classes into a module, records and approves it. Returns the module. Throws
 /// Error("build-failed") with what is missing, by file and line, or with the compiler's first errors. Classes

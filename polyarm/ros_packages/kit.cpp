@@ -56,7 +56,10 @@ Kit::Kit() : folder_(find_folder()) {
     packages_.insert(each.package);
   }
   for (const auto& row : rows(folder_ / "packages.list"))
-    if (row.size() >= 2 && row[1] != "system") packages_.insert(row[0]);
+    if (row.size() >= 2 && row[1] != "system") {
+      if ((row[1] == "headers" || row[1] == "tool") && !packages_.contains(row[0])) replaced_.insert(row[0]);
+      packages_.insert(row[0]);
+    }
   for (const auto& row : rows(folder_ / "sources.list")) {
     if (row.size() < 3) continue;
     Source source;
@@ -82,6 +85,11 @@ std::set<std::string> Kit::message_packages() const {
 }
 bool Kit::has_package(const std::string& name) const {
   return packages_.contains(name);
+}
+bool Kit::has_interface(const Interface& of) const {
+  return std::any_of(interfaces_.begin(), interfaces_.end(), [&](const Interface& i) {
+    return i.package == of.package && i.kind == of.kind && i.name == of.name;
+  });
 }
 bool Kit::has_header(const std::string& name) const {
   std::error_code error;

@@ -31,6 +31,10 @@ class Kit {
   std::set<std::string> message_packages() const;
   /// A package of packages.list or of messages.
   bool has_package(const std::string& name) const;
+  /// A package with headers or tools of the kit, other than messages. Sources of it in a workspace
+  /// (ros2_control itself, say) are not built: they need the rest of ROS.
+  bool replaces(const std::string& package) const { return replaced_.contains(package); }
+  bool has_interface(const Interface& of) const;
   /// A header of the kit, or of a message ("std_msgs/msg/bool.hpp").
   bool has_header(const std::string& name) const;
   /// All identifiers in the kit's headers of a package.
@@ -42,7 +46,7 @@ class Kit {
  private:
   std::filesystem::path folder_, headers_;
   std::vector<Interface> interfaces_;
-  std::set<std::string> packages_, message_headers_;
+  std::set<std::string> packages_, replaced_, message_headers_;
   std::map<std::string, Source> header_sources_, package_sources_;
   mutable std::map<std::string, std::set<std::string>> words_;
 };

@@ -136,6 +136,32 @@ TEST_F(Workshop, ABuildThatIsKilledTakesItsCompilersWithIt) {
   while (lives(compiler)) ::usleep(10'000);
 }
 
+TEST_F(Workshop, SourcesOfRosInTheWorkspaceAreNotTakenForItsHeaders) {
+  place.write("ws/hardware_interface/package.xml",
+              "<package><name>hardware_interface</name><export><build_type>ament_cmake</build_type></"
+              "export></package>");
+  place.write("ws/hardware_interface/CMakeLists.txt", "message(FATAL_ERROR \"needs the rest of ROS\")\n");
+  place.write("ws/hardware_interface/include/hardware_interface/system_interface.hpp",
+              "#include <rcl/all_of_it.h>\n");
+  for (const std::string& path : {package, (place.path() / "ws").string()}) {
+    const auto checked = test::run_command({"plugin", "check", path});
+    EXPECT_EQ(checked.exit_code, 0) << checked.output;
+    EXPECT_NE(checked.output.find("two_joints: nothing is missing"), std::string::npos) << checked.output;
+  }
+}
+
+TEST_F(Workshop, AnInterfaceThatPolyarmHasIsNotMadeTwice) {
+  place.write("std_msgs/msg/Bool.msg", "bool data\n");
+  place.write("std_msgs/msg/Trit.msg", "int8 data\n");
+  const std::string out = (place.path() / "out").string();
+  const auto made = test::run_command({"plugin", "interfaces", "--package", "std_msgs", "--out", out,
+                                       (place.path() / "std_msgs/msg/Bool.msg").string(),
+                                       (place.path() / "std_msgs/msg/Trit.msg").string()});
+  EXPECT_EQ(made.exit_code, 0) << made.output;
+  EXPECT_TRUE(fs::exists(out + "/std_msgs/msg/trit.hpp"));
+  EXPECT_FALSE(fs::exists(out + "/std_msgs/msg/bool.hpp"));
+}
+
 TEST_F(Workshop, SaysWhatIsMissingInsteadOfTheCompilersPages) {
   const std::string source = package + "/src/two_joints.cpp";
   write_file_atomically(source, "#include <serial/serial.h>\n" + read_file(source));
