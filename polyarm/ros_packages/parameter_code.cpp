@@ -249,7 +249,13 @@ std::string parameter_header(const std::string& text, const std::string& name,
   made.group(top.front().value, "", "params.", 1, made.visits, false);
   std::string out = "// Made from " + name + " by `polyarm plugin parameters`.\n" + kBegin;
   if (!validators.empty()) out += "#include " + text_literal(validators) + "\n";
-  out += "\nnamespace " + space + " {\n\nstruct Params {\n" + made.fields + "  rclcpp::Time __stamp;\n};\n";
+  out += "\nnamespace " + space + " {\n\n";
+  // A file may name the rules as members of its own namespace.
+  for (const char* rule :
+       {"bounds", "element_bounds", "fixed_size", "gt", "gt_eq", "lower_element_bounds", "lt", "lt_eq",
+        "not_empty", "one_of", "size_gt", "size_lt", "subset_of", "unique", "upper_element_bounds"})
+    out += std::string("using ::rsl::") + rule + ";\n";
+  out += "\nstruct Params {\n" + made.fields + "  rclcpp::Time __stamp;\n};\n";
   out += "using StackParams = Params;\n\nstruct ParamsLayout {\n";
   out += "  template <typename Visitor>\n  static void visit(Visitor& v, Params& params) {\n";
   out += "    using namespace ::rsl;\n    static_cast<void>(v);\n    static_cast<void>(params);\n";

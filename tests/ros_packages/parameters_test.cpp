@@ -41,6 +41,7 @@ TEST(ParameterHeader, ValidatorsAreCalledWithTheTypeOfTheParameter) {
       "  a: {type: double, validation: {gt<>: [0], 'my::rule': null}}\n"
       "  b: {type: string_array, validation: {subset_of<>: [['x', '1']], fixed_size<>: 2}}\n");
   expect_has(code, "gt<double>(p, 0.0)");
+  expect_has(code, "namespace drive {\n\nusing ::rsl::bounds;\n");  // a file may name them drive::bounds
   expect_has(code, "my::rule(p)");
   expect_has(code, "subset_of<std::string>(p, {\"x\", ");
   expect_has(code, "fixed_size<std::string>(p, 2)");
