@@ -72,6 +72,14 @@ struct Check {
   std::set<std::string> declared;       ///< types that the workspace's code declares itself
   std::set<std::string> reported, visited;
   std::vector<fs::path> waiting;
+  struct Name {
+    std::string text;
+    Location where;
+  };
+  std::vector<Name> of_hardware =
+      {};  ///< unknown names of hardware_interface; packages add constants of their own there
+  bool foreign_header_missing = false;
+  std::map<std::string, ListedSource> listed = listed_sources(package);
 
   void run() {
     std::vector<const Package*> providers = in_build_order(package, all);
@@ -90,6 +98,8 @@ struct Check {
       waiting.pop_back();
       if (visited.insert(file.string()).second) collect(problems, [&] { check_source(file); });
     }
+    if (foreign_header_missing) return;  // it may declare these names
+    for (const Name& name : of_hardware) missing_name(name.text, name.where);
   }
 
   /// The words of each call of `name` in the build file.
@@ -305,17 +315,19 @@ struct Check {
     const std::string folder = header.substr(0, header.find('/'));
     const bool known = header.find('/') != std::string::npos && kit.has_package(folder);
     if (conditional) {  // of another system, or of an option
-      if (reported.insert(header).second)
+      if (reported.insert("#if " + header).second)
         problems.warning("missing", {file.string(), number},
                          "no header '" + header + "' is here; it is between #if and #endif",
                          "if the compiler says that it is needed, install it");
       return;
     }
+    foreign_header_missing = foreign_header_missing || !known;
     missing(header, {file.string(), number}, "no header '" + header + "' is here",
             kit.source_of_header(header),
-            known ? "Polyarm has the package " + folder +
-                        ", but not this header: leave it out, or report it to the Polyarm project"
-                  : "put the package that has it into the same workspace, or install it");
+            listed.contains(folder) ? advice(listed.at(folder))
+            : known                 ? "Polyarm has the package " + folder +
+                          ", but not this header: leave it out, or report it to the Polyarm project"
+                    : "put the package that has it into the same workspace, or install it");
   }
 
   void check_names(const fs::path& file, int number, const std::string& line, const std::string& space) {
@@ -330,9 +342,18 @@ struct Check {
       const std::string name = line.substr(at + space.size(), end - at - space.size());
       const std::string package_name = space.substr(0, space.size() - 2);
       if (name.empty() || declared.contains(name) || kit.words(package_name).contains(name)) continue;
-      missing(space + name, {file.string(), number}, "Polyarm has no " + space + name, std::nullopt,
-              "write this part without it, or report it to the Polyarm project");
+      if (space == "hardware_interface::")
+        of_hardware.push_back({space + name, {file.string(), number}});
+      else
+        missing_name(space + name, {file.string(), number});
     }
+  }
+  static std::string advice(const ListedSource& from) {
+    return "put " + from.address + " into the same workspace: " + from.file.filename().string() + " names it";
+  }
+  void missing_name(const std::string& name, const Location& where) {
+    missing(name, where, "Polyarm has no " + name, std::nullopt,
+            "write this part without it, or report it to the Polyarm project");
   }
 
   void check_cmake(const fs::path& file) {
@@ -367,7 +388,9 @@ struct Check {
     if (reported.insert("package " + name).second)
       problems.warning("missing", {file.string(), number},
                        "no package '" + name + "' is here; the plugins may not need it",
-                       source ? source->advice() : "put it into the same workspace, or install it");
+                       source                  ? source->advice()
+                       : listed.contains(name) ? advice(listed.at(name))
+                                               : "put it into the same workspace, or install it");
   }
   static bool found_by_cmake(const std::string& name) {
     std::error_code error;

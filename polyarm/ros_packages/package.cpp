@@ -215,6 +215,51 @@ void add_from_root(const Package& package, std::vector<Package>& out) {
 }
 }  // namespace
 
+namespace {
+std::string last_word(std::string text) {
+  while (!text.empty() && text.back() == '/') text.pop_back();
+  if (text.ends_with(".git")) text.erase(text.size() - 4);
+  const auto slash = text.find_last_of("/:");
+  return slash == std::string::npos ? text : text.substr(slash + 1);
+}
+/// A line of a .repos file is a key with or without a value; a repository's own keys are below its name.
+void add_listed(const fs::path& file, std::map<std::string, ListedSource>& out) {
+  std::istringstream lines(read_file(file, kLargestXml));
+  std::string name;
+  for (std::string line; std::getline(lines, line) && out.size() < kMostPackages;) {
+    line.erase(std::min(line.find(" #"), line.size()));
+    const std::string text(trim(line));
+    if (text.starts_with("url:")) {
+      std::string address(trim(std::string_view(text).substr(4)));
+      std::erase_if(address, [](char c) { return c == '"' || c == '\''; });
+      for (const std::string& each : {name, last_word(address)})
+        if (!each.empty()) out.try_emplace(each, ListedSource{address, file});
+    } else if (text.ends_with(":")) {
+      name = last_word(text.substr(0, text.size() - 1));
+    }
+  }
+}
+}  // namespace
+
+std::map<std::string, ListedSource> listed_sources(const Package& package) {
+  std::map<std::string, ListedSource> out;
+  const fs::path root = root_of(package);
+  std::error_code error;
+  fs::path folder = package.folder;
+  for (int up = 0; up < 6 && folder.has_relative_path(); ++up, folder = folder.parent_path()) {
+    std::vector<fs::path> files;
+    for (auto at = fs::directory_iterator(folder, error); !error && at != fs::directory_iterator();
+         at.increment(error))
+      if (at->path().extension() == ".repos" || at->path().extension() == ".rosinstall")
+        files.push_back(at->path());
+    std::sort(files.begin(), files.end());
+    Problems ignored;  // one that cannot be read names nothing
+    for (const fs::path& file : files) collect(ignored, [&] { add_listed(file, out); });
+    if (folder == root || root.empty()) break;
+  }
+  return out;
+}
+
 std::vector<Package> packages_beside(const Package& package, Problems& problems) {
   std::vector<Package> out;
   const fs::path above = package.folder.parent_path();

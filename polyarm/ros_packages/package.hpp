@@ -2,6 +2,7 @@
 /// Packages of ROS as they lie in a workspace: package.xml, and the plugin description files beside it. Files
 /// of strangers: sizes, depth and numbers are bounded. Any thread; reads disk.
 #include <filesystem>
+#include <map>
 #include <set>
 #include <string>
 #include <vector>
@@ -35,6 +36,14 @@ std::vector<Package> find_packages(const std::filesystem::path& path, Problems& 
 /// The packages that a single package may need: those beside it, then others of the same repository (.git) or
 /// workspace (src).
 std::vector<Package> packages_beside(const Package& package, Problems& problems);
+/// Packages of other repositories that the package's own one lists for vcs (`*.repos` in the folders of the
+/// package, its repository, and those between them), by the last word of their folder and of their address:
+/// the address, and the file.
+struct ListedSource {
+  std::string address;
+  std::filesystem::path file;
+};
+std::map<std::string, ListedSource> listed_sources(const Package& package);
 /// `package` behind the packages of `all` that it needs, each after those that it needs itself. Cycles are
 /// cut.
 std::vector<const Package*> in_build_order(const Package& package, const std::vector<Package>& all);

@@ -248,6 +248,63 @@ TEST(Check, NamesMissingHeadersAndNamesOnceWithTheirPlaceAndAdvice) {
   EXPECT_TRUE(has("drive.hpp:2: error: no header 'nowhere/far.hpp'"));
 }
 
+TEST(Check, NamesOfHardwareThatAMissingHeaderMayDeclareAreNotPolyarmsFault) {
+  for (const bool foreign : {true, false}) {
+    const test::Folder place;
+    place.write("acme/package.xml", manifest("acme"));
+    place.write("acme/acme.xml", kPlugin);
+    place.write("acme/CMakeLists.txt", "add_library(drive SHARED src/drive.cpp)\n");
+    place.write("acme/src/drive.cpp",
+                std::string(foreign ? "#include <maker/words.hpp>\n" : "#include <vector>\n") +
+                    "auto name = hardware_interface::SPRING_FORCE;\n");
+    Problems problems, found;
+    const auto all = find_packages(place.path(), problems);
+    check_package(all[0], all, Kit(), found);
+    ASSERT_EQ(found.list().size(), 1u);
+    EXPECT_EQ(found.list()[0].text().find("hardware_interface::SPRING_FORCE") == std::string::npos, foreign)
+        << found.list()[0].text();
+  }
+}
+
+TEST(Check, AHeaderThatOneFileNeedsAnywayIsMissingThoughAnotherNamesItBetweenIfs) {
+  const test::Folder place;
+  place.write("acme/package.xml", manifest("acme"));
+  place.write("acme/acme.xml", kPlugin);
+  place.write("acme/CMakeLists.txt", "add_library(drive SHARED src/drive.cpp)\n");
+  place.write("acme/src/drive.cpp", "#include \"pins.h\"\n#include \"maybe.h\"\n");
+  place.write("acme/src/maybe.h", "#pragma once\n#ifdef PI\n#include <wiringPi.h>\n#endif\n");
+  place.write("acme/src/pins.h", "#pragma once\n#include <wiringPi.h>\n");
+  Problems problems, found;
+  const auto all = find_packages(place.path(), problems);
+  check_package(all[0], all, Kit(), found);
+  ASSERT_EQ(found.list().size(), 2u);
+  EXPECT_EQ(found.list()[0].severity, Severity::warning);
+  EXPECT_EQ(found.list()[1].severity, Severity::error);
+}
+
+TEST(Check, SaysWhereARepositoryGetsItsOtherPackages) {
+  const test::Folder place;
+  std::filesystem::create_directories(place.path() / "repository/.git");
+  place.write("repository/build.repos",
+              "repositories:\n  external/springs:\n    type: git\n    url: "
+              "\"https://host.example/maker/springs_ros.git\"\n"
+              "    version: main\n");
+  place.write("repository/acme/package.xml", manifest("acme"));
+  place.write("repository/acme/acme.xml", kPlugin);
+  place.write("repository/acme/CMakeLists.txt",
+              "find_package(springs_ros REQUIRED)\nadd_library(drive SHARED src/drive.cpp)\n");
+  place.write("repository/acme/src/drive.cpp", "#include <springs/coil.hpp>\n");
+  Problems problems, found;
+  const auto all = find_packages(place.path() / "repository", problems);
+  check_package(all[0], all, Kit(), found);
+  ASSERT_EQ(found.list().size(), 2u);
+  for (const Problem& p : found.list())
+    EXPECT_NE(
+        p.text().find("https://host.example/maker/springs_ros.git into the same workspace: build.repos"),
+        std::string::npos)
+        << p.text();
+}
+
 TEST(Check, LeavesOtherSystemsAndReadsVariablesAndFoldersBeside) {
   const test::Folder place;
   place.write("acme/package.xml", manifest("acme"));
