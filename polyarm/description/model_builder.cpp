@@ -30,6 +30,33 @@ std::vector<std::string> names_of(const Index& index) {
   return out;
 }
 
+/// Several joints between the same two links, as made-up models of vehicles have: in ROS the last one by name
+/// carries the link, and all of them have values. The others get an empty link of their own.
+void part_parallel_joints(RobotModel& model, std::vector<NamedJoint>& joints, Index& links,
+                          Problems& warnings) {
+  std::map<std::pair<std::string, std::string>, std::vector<NamedJoint*>> between;
+  for (NamedJoint& j : joints)
+    if (j.parent != j.child) between[{j.parent, j.child}].push_back(&j);
+  for (auto& [ends, all] : between) {
+    if (all.size() < 2 || !links.contains(ends.second)) continue;
+    const auto by_name = [](const NamedJoint* a, const NamedJoint* b) {
+      return a->joint.name < b->joint.name;
+    };
+    const NamedJoint* last = *std::max_element(all.begin(), all.end(), by_name);
+    warnings.warning(
+        "two-parents", all[1]->where,
+        std::to_string(all.size()) + " joints lead from '" + ends.first + "' to '" + ends.second + "'",
+        "the link moves with '" + last->joint.name + "' alone, as in ROS; the others move without a link");
+    for (NamedJoint* each : all) {
+      const std::string own = ends.second + "_of_" + each->joint.name;
+      if (each == last || links.contains(own)) continue;
+      links.emplace(own, static_cast<int>(model.links.size()));
+      model.links.emplace_back().name = own;
+      each->child = own;
+    }
+  }
+}
+
 /// Fills the link indices of the joints; false if a name is unknown.
 bool resolve(const RobotModel& model, std::vector<NamedJoint>& joints, const Index& links,
              Problems& problems) {
@@ -210,8 +237,9 @@ bool tie_together(RobotModel& model, std::vector<NamedJoint> joints, const Locat
     problems.error("no-links", file, "the description has no links", "is this a robot description?");
     return false;
   }
-  const Index links = index_links(model, file, problems);
+  Index links = index_links(model, file, problems);
   if (links.size() != model.links.size()) return false;
+  part_parallel_joints(model, joints, links, warnings);
   if (!resolve(model, joints, links, problems) || !sort_joints(model, joints, file, problems)) return false;
   for (std::size_t i = 0; i < joints.size(); ++i) {
     model.links[static_cast<std::size_t>(joints[i].joint.child_link)].parent_joint = static_cast<int>(i);

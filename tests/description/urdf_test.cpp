@@ -305,6 +305,20 @@ TEST(OddUrdf, WhoCannotMimicMovesByItself) {
   EXPECT_EQ(own.actuated.size(), 1u);
 }
 
+TEST(OddUrdf, OfJointsBetweenTheSameLinksTheLastByNameCarriesTheLink) {
+  Problems warnings;
+  const RobotModel model =
+      read_urdf(links_and(joint("z", "a", "b", "<origin xyz=\"0 0 3\"/>") +
+                          joint("x", "a", "b", "<origin xyz=\"1 0 0\"/>") + joint("y", "a", "b")),
+                "robot.urdf", warnings);
+  EXPECT_EQ(model.joint_names(), (std::vector<std::string>{"z", "x", "y"}));
+  const Joint& carries = model.joints[static_cast<std::size_t>(
+      model.links[static_cast<std::size_t>(model.find_link("b"))].parent_joint)];
+  EXPECT_EQ(carries.name, "z");
+  EXPECT_EQ(carries.origin.position.z, 3);
+  EXPECT_TRUE(warned(warnings, "two-parents"));
+}
+
 TEST(OddUrdf, AFreeJointIsTold) {
   const RobotModel model = read_odd(links_and(joint("j", "a", "b", "", "floating")), "free-joint",
                                     "kinematics takes it as fixed at its origin");
