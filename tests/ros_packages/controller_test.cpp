@@ -147,6 +147,14 @@ class Early : public controller_interface::ControllerInterface {
     node_->declare_parameter<double>("speed", 0.5);
     return return_type::SUCCESS;
   }
+  /// In Humble what the file gives is declared without a word.
+  CallbackReturn on_configure(const rclcpp_lifecycle::State&) override {
+    std::map<std::string, rclcpp::Parameter> gains;
+    const bool whole = node_->has_parameter("offset") && !node_->has_parameter("other") &&
+                       node_->get_parameters("gains", gains) && gains.size() == 2;
+    if (whole) offset_ = node_->get_parameter("offset").as_double() + gains.at("b").as_double();
+    return whole ? CallbackReturn::SUCCESS : CallbackReturn::ERROR;
+  }
   InterfaceConfiguration command_interface_configuration() const override {
     return {interface_configuration_type::INDIVIDUAL, {"elbow/position"}};
   }
@@ -154,9 +162,12 @@ class Early : public controller_interface::ControllerInterface {
     return {interface_configuration_type::NONE, {}};
   }
   return_type update() override {
-    command_interfaces_[0].set_value(node_->get_parameter("speed").as_double());
+    command_interfaces_[0].set_value(node_->get_parameter("speed").as_double() + offset_);
     return return_type::SUCCESS;
   }
+
+ private:
+  double offset_ = 0;
 };
 
 }  // namespace wrapped_controllers
@@ -207,10 +218,17 @@ TEST(RosController, CommandsOfAMessageGoThroughItsParameters) {
 }
 
 TEST(RosController, OneOfAnEarlyReleaseInitializesAndUpdatesInItsOwnForm) {
-  ControllerRig arm = rig("wrapped_controllers::Early", {{"speed", {"0.75"}}});
+  ControllerRig arm = rig("wrapped_controllers::Early", {{"speed", {"0.75"}},
+                                                         {"offset", {"0.125"}},
+                                                         {"gains.a", {"1.5"}},
+                                                         {"gains.b", {"0.25"}},
+                                                         {"lost", {"1"}}});
   ASSERT_TRUE(arm.start());
   EXPECT_EQ(arm.update(), Return::ok);
-  EXPECT_EQ(arm.command("elbow/position"), 0.75);
+  EXPECT_EQ(arm.command("elbow/position"), 1.125);
+  const auto& problems = arm.context().parameters.problems().list();  // what nobody read is told
+  ASSERT_EQ(problems.size(), 1u);
+  EXPECT_NE(problems[0].text().find("'lost'"), std::string::npos) << problems[0].text();
 }
 
 TEST(RosController, ParametersThatWereNeverReadAreOld) {

@@ -110,7 +110,8 @@ class ControllerInterfaceBase : public rclcpp_lifecycle::node_interfaces::Lifecy
 
   template <typename T>
   auto auto_declare(const std::string& name, const T& value) {
-    if (get_node()->has_parameter(name)) return get_node()->get_parameter(name).template get_value<T>();
+    if (get_node()->get_node_base_interface()->has_parameter(name))
+      return get_node()->get_parameter(name).template get_value<T>();
     return static_cast<T>(get_node()->template declare_parameter<T>(name, value));
   }
 
@@ -137,6 +138,7 @@ class ControllerInterfaceBase : public rclcpp_lifecycle::node_interfaces::Lifecy
         custom.automatically_declare_parameters_from_overrides());
     node_ = std::make_shared<Node>(params.controller_name, params.node_namespace, options, false);
     node_->get_node_base_interface()->polyarm_robot_description = params.robot_description;
+    node_->get_node_base_interface()->polyarm_reads_undeclared = true;
     node_->register_on_configure([this](const auto& state) { return on_configure(state); });
     node_->register_on_cleanup([this](const auto& state) { return on_cleanup(state); });
     node_->register_on_activate([this](const auto& state) { return on_activate(state); });

@@ -206,7 +206,7 @@ class NodeApi {
     return out;
   }
   void undeclare_parameter(const std::string& name) { core_->undeclare_parameter(name); }
-  bool has_parameter(const std::string& name) const { return core_->has_parameter(name); }
+  bool has_parameter(const std::string& name) const { return core_->knows_parameter(name); }
   rclcpp::Parameter get_parameter(const std::string& name) const { return core_->get_parameter(name); }
   bool get_parameter(const std::string& name, rclcpp::Parameter& out) const {
     return core_->get_parameter(name, out);

@@ -101,6 +101,11 @@ class NodeCore {
     const std::lock_guard lock(mutex_);
     return values_.count(name) > 0;
   }
+  /// A declared parameter, or one that get_parameter finds without a declaration.
+  bool knows_parameter(const std::string& name) const {
+    const std::lock_guard lock(mutex_);
+    return values_.count(name) > 0 || given(name) != nullptr;
+  }
   void undeclare_parameter(const std::string& name) {
     const std::lock_guard lock(mutex_);
     values_.erase(name), described_.erase(name), fixed_.erase(name);
@@ -108,13 +113,14 @@ class NodeCore {
   bool get_parameter(const std::string& name, Parameter& out) const {
     const std::lock_guard lock(mutex_);
     const auto found = values_.find(name);
-    if (found == values_.end()) return false;
-    out = found->second;
+    const Parameter* const undeclared = found == values_.end() ? given(name) : nullptr;
+    if (found == values_.end() && !undeclared) return false;
+    out = undeclared ? *undeclared : found->second;
     return out.get_type() != ParameterType::PARAMETER_NOT_SET;
   }
   Parameter get_parameter(const std::string& name) const {
     Parameter out;
-    if (!has_parameter(name))
+    if (!knows_parameter(name))
       throw exceptions::ParameterNotDeclaredException("parameter '" + name + "' is not declared");
     if (!get_parameter(name, out))
       throw exceptions::ParameterUninitializedException("parameter '" + name + "' is not initialized");
@@ -128,8 +134,8 @@ class NodeCore {
   bool get_parameters_by_prefix(const std::string& prefix, std::map<std::string, Parameter>& out) const {
     const std::lock_guard lock(mutex_);
     const std::string start = prefix.empty() ? "" : prefix + ".";
-    for (const auto& [name, value] : values_)
-      if (name.compare(0, start.size(), start) == 0) out[name.substr(start.size())] = value;
+    for (const auto& [name, value] : known())
+      if (name.compare(0, start.size(), start) == 0) out[name.substr(start.size())] = value, given(name);
     return !out.empty();
   }
   /// Names below any of the prefixes (all without one), down to `depth` levels (0: all).
@@ -148,7 +154,7 @@ class NodeCore {
     };
     const std::lock_guard lock(mutex_);
     rcl_interfaces::msg::ListParametersResult out;
-    for (const auto& [name, value] : values_) {
+    for (const auto& [name, value] : known()) {
       if (!wanted(name)) continue;
       out.names.push_back(name);
       const std::string prefix = name.substr(0, name.find('.') == std::string::npos ? 0 : name.rfind('.'));
@@ -227,14 +233,20 @@ class NodeCore {
   /// For clients of parameters: what robot_state_publisher has as `robot_description`. Empty if it is not
   /// known.
   std::string polyarm_robot_description;
+  /// For controllers, which in Humble read what a file gives without a declaration. has_parameter() and
+  /// declare_parameter() know only what is declared.
+  bool polyarm_reads_undeclared = false;
   polyarm_ros::Wires wires;
   /// What timers count in: the cell's time in the node of a controller.
   polyarm_ros::TimeSource timer_source = std::make_shared<std::atomic<std::int64_t>>(0);
-  /// All parameters that are declared, by name, and whether they may only be set before the node runs.
+  /// All parameters that are declared or were read, by name, and whether they may only be set before the node
+  /// runs.
   std::map<std::string, std::pair<ParameterValue, bool>> polyarm_parameters() const {
     const std::lock_guard lock(mutex_);
     std::map<std::string, std::pair<ParameterValue, bool>> out;
     for (const auto& [name, p] : values_) out[name] = {p.get_parameter_value(), fixed_.count(name) > 0};
+    for (const std::string& name : read_)
+      if (const Parameter* undeclared = given(name)) out[name] = {undeclared->get_parameter_value(), true};
     return out;
   }
 
@@ -287,6 +299,22 @@ class NodeCore {
   }
 
  private:
+  /// What a file or an option gives an undeclared parameter, which is noted as read; null if it is nothing,
+  /// or is not asked for.
+  const Parameter* given(const std::string& name) const {
+    if (!polyarm_reads_undeclared || values_.count(name)) return nullptr;
+    const std::vector<Parameter>& all = options_.parameter_overrides();
+    for (auto p = all.rbegin(); p != all.rend(); ++p)  // the last counts
+      if (p->get_name() == name) return read_.insert(name), &*p;
+    return nullptr;
+  }
+  std::map<std::string, Parameter> known() const {
+    std::map<std::string, Parameter> out = values_;
+    if (polyarm_reads_undeclared)
+      for (const Parameter& p : options_.parameter_overrides())
+        if (!values_.count(p.get_name())) out[p.get_name()] = p;
+    return out;
+  }
   std::string name_, space_;
   std::string full_ = space_ == "/" ? "/" + name_ : space_ + "/" + name_;
   NodeOptions options_;
@@ -295,6 +323,7 @@ class NodeCore {
   mutable std::mutex mutex_;
   std::map<std::string, Parameter> values_;
   std::map<std::string, rcl_interfaces::msg::ParameterDescriptor> described_;
+  mutable std::set<std::string> read_;  ///< without a declaration
   std::set<std::string> set_, fixed_;  ///< set by set_parameters; declared as read only
   std::vector<std::weak_ptr<OnSetParametersCallbackHandle>> callbacks_;
   std::vector<std::weak_ptr<PostSetParametersCallbackHandle>> after_;
