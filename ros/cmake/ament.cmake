@@ -50,6 +50,13 @@ macro(ament_package)
   endforeach()
 endmacro()
 
+# A library of ROS 1 that uses nothing of ROS builds as it is.
+macro(catkin_package)
+  cmake_parse_arguments(polyarm_ros_catkin_ "" "" "INCLUDE_DIRS;LIBRARIES;CATKIN_DEPENDS;DEPENDS;CFG_EXTRAS" ${ARGN})
+  ament_export_include_directories(${polyarm_ros_catkin__INCLUDE_DIRS})
+  ament_package()
+endmacro()
+
 macro(ament_auto_find_build_dependencies)
   set(${PROJECT_NAME}_FOUND_BUILD_DEPENDS ${POLYARM_ROS_DEPENDS_${PROJECT_NAME}})
   foreach(polyarm_ros_each_ ${POLYARM_ROS_DEPENDS_${PROJECT_NAME}})

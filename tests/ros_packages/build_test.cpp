@@ -40,6 +40,21 @@ struct Workshop : testing::Test {
 };
 
 TEST_F(Workshop, BuildsAPackageAndRunsItsHardwareInACell) {
+  // A library of ROS 1 that uses nothing of ROS lies beside it.
+  place.write("ws/springs/package.xml",
+              "<package><name>springs</name><buildtool_depend>catkin</buildtool_depend></package>");
+  place.write("ws/springs/CMakeLists.txt",
+              "cmake_minimum_required(VERSION 3.5)\nproject(springs)\nfind_package(catkin REQUIRED)\n"
+              "catkin_package(INCLUDE_DIRS include LIBRARIES springs)\nadd_library(springs src/springs.cpp)\n"
+              "target_include_directories(springs PUBLIC include)\n");
+  place.write("ws/springs/include/springs/springs.h", "int springs();\n");
+  place.write("ws/springs/src/springs.cpp", "#include <springs/springs.h>\nint springs() { return 2; }\n");
+  place.write("ws/two_joints/src/age.cpp",
+              "#include \"age.hpp\"\n#include <springs/springs.h>\nint count() { return springs(); }\n");
+  std::string build_file = read_file(package + "/CMakeLists.txt");
+  build_file.replace(build_file.find("realtime_tools std_msgs"), 14, "realtime_tools springs");
+  place.write("ws/two_joints/CMakeLists.txt", build_file);
+
   const auto built = test::run_command({"plugin", "build", package, "--simulated"});
   ASSERT_EQ(built.exit_code, 0) << built.output;
   EXPECT_NE(built.output.find("<plugin>two_joints/TwoJoints</plugin>"), std::string::npos) << built.output;
