@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "control_toolbox/filter_traits.hpp"
+#include "polyarm_ros/standard.hpp"
 
 namespace control_toolbox {
 

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "geometry_msgs/msg/wrench_stamped.hpp"
+#include "polyarm_ros/standard.hpp"
 
 namespace control_toolbox {
 

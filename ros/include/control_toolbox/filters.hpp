@@ -1,4 +1,5 @@
 #pragma once
+#include "polyarm_ros/standard.hpp"
 namespace filters {
 /// `alpha` is the share of the new value, 0 to 1.
 template <typename T>

@@ -5,6 +5,8 @@
 #include <string>
 #include <vector>
 
+#include "hardware_interface/helpers.hpp"
+
 namespace controller_interface {
 
 /// Appends to `out` those of `all` that `names` lists, in its order; true if all were found. Throws

@@ -14,9 +14,13 @@
 #include <variant>
 
 #include "hardware_interface/hardware_info.hpp"
+#include "hardware_interface/introspection.hpp"
 #include "hardware_interface/lexical_casts.hpp"
 #include "hardware_interface/macros.hpp"
 #include "hardware_interface/visibility_control.h"
+#include "polyarm_ros/standard.hpp"
+#include "rclcpp/logging.hpp"
+#include "rcpputils/pointer_traits.hpp"
 
 namespace hardware_interface {
 

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "joint_limits/joint_limits.hpp"
+#include "polyarm_ros/standard.hpp"
 
 namespace hardware_interface {
 

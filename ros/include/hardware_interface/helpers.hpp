@@ -7,6 +7,8 @@
 #include <unordered_map>
 #include <vector>
 
+#include "polyarm_ros/standard.hpp"
+
 namespace ros2_control {
 
 template <typename Container>

@@ -12,6 +12,8 @@
 #include <type_traits>
 #include <vector>
 
+#include "polyarm_ros/standard.hpp"
+
 namespace hardware_interface {
 
 /// The whole text as a number; throws std::invalid_argument.

@@ -2,6 +2,9 @@
 #include <stdexcept>
 #include <string>
 
+#include "polyarm_ros/standard.hpp"
+#include "rcpputils/pointer_traits.hpp"
+
 #ifdef _WIN32
 #define __PRETTY_FUNCTION__ __FUNCSIG__
 #endif

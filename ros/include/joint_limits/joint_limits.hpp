@@ -3,6 +3,8 @@
 #include <limits>
 #include <string>
 
+#include "polyarm_ros/standard.hpp"
+
 namespace joint_limits {
 
 struct JointLimits {

@@ -4,7 +4,9 @@
 
 #include "joint_limits/joint_limits.hpp"
 #include "rclcpp/logging.hpp"
+#include "rclcpp/node.hpp"
 #include "rclcpp/node_interfaces/node_interfaces.hpp"
+#include "rclcpp_lifecycle/lifecycle_node.hpp"
 
 namespace joint_limits {
 using ParametersOfNode = rclcpp::node_interfaces::NodeParametersInterface::SharedPtr;

@@ -2,6 +2,8 @@
 #include <functional>
 #include <utility>
 
+#include "polyarm_ros/standard.hpp"
+
 namespace message_filters {
 /// A registered callback. It stays registered when this object ends.
 class Connection {

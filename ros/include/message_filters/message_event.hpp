@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "rclcpp/clock.hpp"
+#include "rclcpp/rclcpp.hpp"
 
 namespace message_filters {
 /// A message and when it arrived.

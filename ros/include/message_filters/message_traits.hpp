@@ -3,6 +3,7 @@
 #include <string>
 #include <utility>
 
+#include "rclcpp/rclcpp.hpp"
 #include "rclcpp/time.hpp"
 
 namespace message_filters::message_traits {

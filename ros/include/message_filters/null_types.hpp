@@ -1,5 +1,6 @@
 #pragma once
 #include "message_filters/connection.hpp"
+#include "message_filters/message_traits.hpp"
 
 namespace message_filters {
 /// In the place of inputs that a policy of fewer has not.

@@ -4,7 +4,9 @@
 #include <stdexcept>
 
 #include "builtin_interfaces/msg/duration.hpp"
+#include "polyarm_ros/standard.hpp"
 #include "rclcpp/macros.hpp"
+#include "rclcpp/visibility_control.hpp"
 
 using rcutils_duration_value_t = std::int64_t;
 using rcl_duration_value_t = rcutils_duration_value_t;
@@ -21,6 +23,7 @@ class Duration {
   Duration(std::int32_t seconds, std::uint32_t nanoseconds)
       : ns_(static_cast<std::int64_t>(seconds) * 1'000'000'000 + nanoseconds) {}
   explicit Duration(std::chrono::nanoseconds span) : ns_(span.count()) {}
+  explicit Duration(rcl_duration_value_t nanoseconds) : ns_(nanoseconds) {}  // in Foxy
   template <class Rep, class Period>
   Duration(const std::chrono::duration<Rep, Period>& span)  // NOLINT: implicit in ROS
       : ns_(std::chrono::duration_cast<std::chrono::nanoseconds>(span).count()) {}

@@ -2,6 +2,8 @@
 #include <stdexcept>
 #include <string>
 
+#include "polyarm_ros/standard.hpp"
+
 namespace rclcpp::exceptions {
 
 #define POLYARM_ROS_EXCEPTION_(NAME)         \

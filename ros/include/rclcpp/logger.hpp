@@ -2,6 +2,7 @@
 #include <string>
 
 #include "polyarm_ros/log.hpp"
+#include "polyarm_ros/standard.hpp"
 #include "rclcpp/macros.hpp"
 
 namespace rclcpp {

@@ -3,6 +3,8 @@
 #include <memory>
 #include <utility>
 
+#include "polyarm_ros/standard.hpp"
+
 #define RCLCPP_DISABLE_COPY(...)            \
   __VA_ARGS__(const __VA_ARGS__&) = delete; \
   __VA_ARGS__& operator=(const __VA_ARGS__&) = delete;

@@ -1,5 +1,6 @@
 #pragma once
 #include "polyarm_ros/node_api.hpp"
+#include "rclcpp/logging.hpp"
 
 namespace rclcpp {
 

@@ -2,6 +2,7 @@
 /// Quality of service. Depth, reliability and durability count on the ROS 2 graph; the rest has no effect.
 #include <cstddef>
 
+#include "polyarm_ros/standard.hpp"
 #include "rclcpp/duration.hpp"
 
 enum rmw_qos_history_policy_e {

@@ -3,7 +3,9 @@
 #include <stdexcept>
 
 #include "builtin_interfaces/msg/time.hpp"
+#include "polyarm_ros/standard.hpp"
 #include "rclcpp/duration.hpp"
+#include "rclcpp/visibility_control.hpp"
 
 enum rcl_clock_type_t { RCL_CLOCK_UNINITIALIZED = 0, RCL_ROS_TIME, RCL_SYSTEM_TIME, RCL_STEADY_TIME };
 using rcl_clock_type_e = rcl_clock_type_t;

@@ -1,2 +1,3 @@
 #pragma once
+#include "rclcpp/node.hpp"
 #include "rclcpp_action/client.hpp"

@@ -3,6 +3,8 @@
 #include <cstdint>
 #include <string>
 
+#include "polyarm_ros/standard.hpp"
+
 namespace rclcpp_action {
 using GoalUUID = std::array<std::uint8_t, 16>;
 enum class GoalResponse : std::int8_t { REJECT = 1, ACCEPT_AND_EXECUTE = 2, ACCEPT_AND_DEFER = 3 };

@@ -2,6 +2,8 @@
 #include <stdexcept>
 #include <string>
 
+#include "polyarm_ros/standard.hpp"
+
 namespace rcpputils {
 class AssertionException : public std::logic_error {
  public:

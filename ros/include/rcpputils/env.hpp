@@ -3,6 +3,8 @@
 #include <stdexcept>
 #include <string>
 
+#include "polyarm_ros/standard.hpp"
+
 namespace rcpputils {
 /// Empty if it is not set.
 inline std::string get_env_var(const char* name) {

@@ -5,6 +5,8 @@
 #include <string>
 #include <system_error>
 
+#include "polyarm_ros/standard.hpp"
+
 namespace rcpputils::fs {
 class path : public std::filesystem::path {
  public:

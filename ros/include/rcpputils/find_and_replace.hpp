@@ -1,6 +1,8 @@
 #pragma once
 #include <string>
 
+#include "polyarm_ros/standard.hpp"
+
 namespace rcpputils {
 template <typename Input, typename Find, typename Replace>
 std::string find_and_replace(const Input& input, const Find& what, const Replace& with) {

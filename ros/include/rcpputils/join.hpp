@@ -2,6 +2,8 @@
 #include <sstream>
 #include <string>
 
+#include "polyarm_ros/standard.hpp"
+
 namespace rcpputils {
 template <typename Values>
 std::string join(const Values& values, const std::string& between) {

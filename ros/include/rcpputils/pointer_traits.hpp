@@ -2,6 +2,8 @@
 #include <memory>
 #include <type_traits>
 
+#include "polyarm_ros/standard.hpp"
+
 namespace rcpputils {
 template <typename T>
 struct is_pointer : std::is_pointer<std::remove_cv_t<T>> {};

@@ -1,6 +1,8 @@
 #pragma once
 #include <utility>
 
+#include "polyarm_ros/standard.hpp"
+
 namespace rcpputils {
 /// Calls a function at the end of its scope, unless it is cancelled.
 template <typename Function>

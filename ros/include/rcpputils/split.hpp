@@ -3,6 +3,8 @@
 #include <string>
 #include <vector>
 
+#include "polyarm_ros/standard.hpp"
+
 namespace rcpputils {
 inline std::vector<std::string> split(const std::string& text, char mark, bool skip_empty = false) {
   std::vector<std::string> out;

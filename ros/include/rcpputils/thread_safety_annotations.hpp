@@ -1,5 +1,6 @@
 #pragma once
 /// Marks for an analysis that is not made here.
+#include "polyarm_ros/standard.hpp"
 #define RCPPUTILS_TSA_CAPABILITY(name)
 #define RCPPUTILS_TSA_SCOPED_CAPABILITY
 #define RCPPUTILS_TSA_GUARDED_BY(x)

@@ -2,6 +2,8 @@
 #include <chrono>
 #include <stdexcept>
 
+#include "polyarm_ros/standard.hpp"
+
 namespace rcpputils {
 /// A span as nanoseconds; throws std::invalid_argument if it has no place there.
 template <typename Rep, typename Ratio>

@@ -16,6 +16,7 @@
 #include <utility>
 #include <vector>
 
+#include "polyarm_ros/standard.hpp"
 #include "rclcpp/clock.hpp"
 #include "rclcpp/duration.hpp"
 #include "rclcpp/logger.hpp"

@@ -5,6 +5,8 @@
 #include <mutex>
 #include <vector>
 
+#include "polyarm_ros/standard.hpp"
+
 namespace realtime_tools {
 
 template <typename T, std::size_t Capacity = 0>

@@ -4,6 +4,8 @@
 
 #include <system_error>
 
+#include "polyarm_ros/standard.hpp"
+
 namespace realtime_tools {
 namespace detail {
 template <int kind>

@@ -5,6 +5,8 @@
 #include <mutex>
 #include <utility>
 
+#include "polyarm_ros/standard.hpp"
+
 namespace realtime_tools {
 
 template <class T>

@@ -1,4 +1,5 @@
 #pragma once
+#include "polyarm_ros/standard.hpp"
 #include "rclcpp/clock.hpp"
 namespace realtime_tools {
 class RealtimeClock {

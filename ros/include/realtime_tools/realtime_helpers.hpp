@@ -13,6 +13,8 @@
 #include <utility>
 #include <vector>
 
+#include "polyarm_ros/standard.hpp"
+
 namespace realtime_tools {
 
 inline bool has_realtime_kernel() {

@@ -4,7 +4,9 @@
 #include <mutex>
 #include <utility>
 
+#include "polyarm_ros/standard.hpp"
 #include "rclcpp/publisher.hpp"
+#include "rclcpp/rclcpp.hpp"
 
 namespace realtime_tools {
 

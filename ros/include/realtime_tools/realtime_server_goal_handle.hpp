@@ -5,6 +5,7 @@
 #include <mutex>
 #include <utility>
 
+#include "polyarm_ros/standard.hpp"
 #include "rclcpp/logging.hpp"
 #include "rclcpp_action/server_goal_handle.hpp"
 #include "realtime_tools/mutex.hpp"

@@ -5,6 +5,7 @@
 #include <type_traits>
 #include <utility>
 
+#include "polyarm_ros/standard.hpp"
 #include "realtime_tools/mutex.hpp"
 
 namespace realtime_tools {

@@ -2,6 +2,8 @@
 #include <stdexcept>
 #include <string>
 
+#include "polyarm_ros/standard.hpp"
+
 namespace tf2 {
 class TransformException : public std::runtime_error {
  public:

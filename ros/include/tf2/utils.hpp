@@ -11,3 +11,5 @@ double getYaw(const Rotation& rotation) {
   return y;
 }
 }  // namespace tf2
+
+#include "tf2/convert.hpp"

@@ -124,3 +124,5 @@ void doTransform(const Eigen::Transform<double, 3, mode>& in, Eigen::Transform<d
 }
 
 }  // namespace tf2
+
+#include "tf2_ros/buffer_interface.hpp"

@@ -117,3 +117,5 @@ inline void doTransform(const gm::TransformStamped& in, gm::TransformStamped& ou
   out.header = t.header;
 }
 }  // namespace tf2
+
+#include "rclcpp/rclcpp.hpp"

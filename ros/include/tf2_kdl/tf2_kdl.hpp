@@ -34,3 +34,5 @@ inline void fromMsg(const geometry_msgs::msg::Pose& from, KDL::Frame& to) {
 }
 
 }  // namespace tf2
+
+#include "tf2_ros/buffer_interface.hpp"

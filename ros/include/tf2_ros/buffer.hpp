@@ -5,7 +5,10 @@
 #include <string>
 
 #include "rclcpp/clock.hpp"
+#include "rclcpp/rclcpp.hpp"
 #include "tf2/buffer_core.hpp"
+#include "tf2/convert.hpp"
+#include "tf2/time.hpp"
 
 namespace tf2_ros {
 using tf2::Duration;

@@ -5,6 +5,9 @@
 #include <vector>
 
 #include "rclcpp/node.hpp"
+#include "rclcpp/rclcpp.hpp"
+#include "tf2/convert.hpp"
+#include "tf2/time.hpp"
 #include "tf2_msgs/msg/tf_message.hpp"
 #include "tf2_ros/buffer.hpp"
 

@@ -1,5 +1,6 @@
 #pragma once
 #include "hardware_interface/handle.hpp"
+#include "polyarm_ros/standard.hpp"
 
 namespace transmission_interface {
 /// A number of an actuator or joint that a transmission reads or writes.

@@ -1,6 +1,8 @@
 #pragma once
 #include <stdexcept>
 
+#include "polyarm_ros/standard.hpp"
+
 namespace transmission_interface {
 class TransmissionInterfaceException : public std::runtime_error {
  public:

@@ -4,6 +4,7 @@
 #include "hardware_interface/hardware_info.hpp"
 #include "rclcpp/executors.hpp"
 #include "rclcpp/logging.hpp"
+#include "rclcpp/rclcpp.hpp"
 
 namespace hardware_interface {
 

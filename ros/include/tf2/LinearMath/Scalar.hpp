@@ -1,6 +1,7 @@
 #pragma once
 #include <cmath>
 
+#include "polyarm_ros/standard.hpp"
 #include "tf2/LinearMath/Vector3.hpp"
 #define TF2SIMD_PI 3.14159265358979323846
 #define TF2SIMD_2_PI (2 * TF2SIMD_PI)
