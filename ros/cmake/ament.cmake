@@ -33,7 +33,11 @@ foreach(nothing ament_export_dependencies ament_export_libraries ament_export_ta
         ament_index_register_package ament_clang_format set_compiler_options export_windows_symbols
         pluginlib_export_plugin_description_file pluginlib_enable_plugin_testing ament_generate_version_header
         rclcpp_components_register_node rclcpp_components_register_nodes generate_parameter_module
-        ament_package_xml add_rostest_gmock ament_export_cmake_modules ament_bump_version backward_add_dependency catkin_add_gtest ament_cmake_gen_version_h)
+        ament_package_xml add_rostest_gmock ament_export_cmake_modules ament_bump_version backward_add_dependency ament_copyright ament_cppcheck ament_cpplint
+        ament_uncrustify ament_flake8 ament_pep257 ament_lint_cmake ament_xmllint ament_clang_tidy ament_mypy
+        ament_add_gtest_executable ament_add_gmock_executable ament_add_gtest_test ament_add_gmock_test
+        ament_add_google_benchmark ament_add_ros_isolated_gtest ament_add_ros_isolated_gmock
+        generate_parameter_library_markdown catkin_add_gtest ament_cmake_gen_version_h)
   cmake_language(EVAL CODE "function(${nothing})\nendfunction()")
 endforeach()
 
