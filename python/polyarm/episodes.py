@@ -10,6 +10,8 @@
 Each episode is a file of its own, written whole when it ends: an interruption loses at most the running episode. On the
 command line: python3 -m polyarm.episodes --help
 """
+import contextlib
+import fcntl
 import json
 import os
 import pathlib
@@ -101,8 +103,22 @@ def _together(all_stats):
     return out | {name: mixed(name) for name in all_stats[0] if name.startswith("q")}
 
 
+@contextlib.contextmanager
+def _only_writer(folder):
+    """Other processes that write data sets in the same place wait. The lock is that of the folder above, since drop()
+    exchanges the folder itself. A file system without such locks has none."""
+    above = os.open(folder.absolute().parent, os.O_RDONLY | os.O_DIRECTORY)
+    try:
+        with contextlib.suppress(OSError):
+            fcntl.flock(above, fcntl.LOCK_EX)
+        yield
+    finally:
+        os.close(above)
+
+
 class DataSet:
-    """A LeRobot data set in a folder. create() makes a new one, open() continues one."""
+    """A LeRobot data set in a folder. create() makes a new one, open() continues one. Several processes may record into
+    one: their episodes get the next free numbers."""
 
     def __init__(self, folder, info):
         self.folder, self.info = pathlib.Path(folder), info
@@ -144,14 +160,12 @@ class DataSet:
         """Continues a data set that create() made. What an interruption left half-written is removed; not with
         recover=False, which changes nothing: another process may be recording."""
         folder = pathlib.Path(folder)
-        if recover:
-            _finish_drop(folder)
-        info = json.loads((folder / "meta" / "info.json").read_text())
-        if info.get("codebase_version") != VERSION or info.get("data_path") != _DATA:
-            raise ValueError(f"{folder} is not of this writer, or of another version than {VERSION}")
-        out = cls(folder, info)
-        if recover:
-            out._recover()
+        with _only_writer(folder) if recover and folder.absolute().parent.is_dir() else contextlib.nullcontext():
+            if recover:
+                _finish_drop(folder)
+            out = cls(folder, _read_info(folder))
+            if recover:
+                out._recover()
         return out
 
     def __enter__(self):
@@ -219,6 +233,11 @@ class DataSet:
         """Writes the running episode; its number. From then on it is in the data set."""
         if not self.frames:
             raise RuntimeError("the episode has no frames")
+        with _only_writer(self.folder):
+            self._read_anew()
+            return self._save()
+
+    def _save(self):
         frames, count, episode = self._frames, self.frames, len(self)
         tasks = self.tasks()
         if self._task not in tasks:
@@ -297,6 +316,11 @@ class DataSet:
 
     def drop(self, episode):
         """Removes one episode; those after it get the next lower numbers. An interruption leaves the old or the new set."""
+        with _only_writer(self.folder):
+            self._read_anew()
+            self._drop(episode)
+
+    def _drop(self, episode):
         if not 0 <= episode < len(self):
             raise IndexError(f"there is no episode {episode}; there are {len(self)}")
         new, old_set = _drop_folders(self.folder)
@@ -315,6 +339,14 @@ class DataSet:
         self.info = kept.info
 
     # Inside.
+
+    def _read_anew(self):
+        """Takes over what another process has recorded or dropped."""
+        info = _read_info(self.folder)
+        if info["features"] != self.info["features"] or info["fps"] != self.info["fps"]:
+            raise ValueError(f"{self.folder} is another data set now: open it again")
+        self.info = info
+        self._recover()
 
     def _own_columns(self, episode, start, count, task):
         index = np.arange(count)
@@ -480,6 +512,13 @@ def _hugging_face(features):
             described[name] = {"feature": {"dtype": feature["dtype"], "_type": "Value"}, "length": feature["shape"][0],
                                "_type": "Sequence"}
     return {"huggingface": json.dumps({"info": {"features": described}})}
+
+
+def _read_info(folder):
+    info = json.loads((folder / "meta" / "info.json").read_text())
+    if info.get("codebase_version") != VERSION or info.get("data_path") != _DATA:
+        raise ValueError(f"{folder} is not of this writer, or of another version than {VERSION}")
+    return info
 
 
 def _drop_folders(folder):

@@ -9,6 +9,7 @@ workspace and guards. A policy that fails, is silent or gives anything but finit
 import asyncio
 import collections
 import concurrent.futures
+import contextlib
 import math
 
 import numpy as np
@@ -73,6 +74,7 @@ def run_policy(cell, policy, robot="arm", rate=30.0, seconds=10.0, task="", spee
     action is for the time of the next observation. Raises PolicyFailed if it fails, and Error if the cell refuses a
     target; the robot stops in both cases.
     """
+    _check_times(rate, seconds)
     names = joints_of(cell, robot)
     short = [name.split("/")[-2] for name in names]
     columns = [cell.state_names.index(name) for name in names]
@@ -94,10 +96,22 @@ def run_policy(cell, policy, robot="arm", rate=30.0, seconds=10.0, task="", spee
                 session = _send(cell, robot, short, target, speed, session)
             if cell.time < now + _SENT_EVERY:
                 cell.run(now + _SENT_EVERY - cell.time)
-    finally:
+    except BaseException:
         if session is not None:
-            cell.ask("jog", robot=robot, session=session, end=True)
+            with contextlib.suppress(Error):  # the first error is the one to know
+                cell.ask("jog", robot=robot, session=session, end=True)
+        raise
+    if session is not None:
+        cell.ask("jog", robot=robot, session=session, end=True)
     return calls
+
+
+def _check_times(rate, seconds):
+    """Infinite seconds are a time, for `until`."""
+    if not 0 < rate <= 1000:
+        raise ValueError(f"a rate of {rate} observations per second: it must be above 0 and at most 1000")
+    if not seconds >= 0:
+        raise ValueError(f"{seconds} s is no time")
 
 
 def _send(cell, robot, short, target, speed, session):
@@ -118,6 +132,7 @@ async def run_policy_on(client, policy, robot="arm", rate=30.0, seconds=10.0, ta
     that are left are carried out, and after the last of them the robot stops. Needs control (session_take()) at the
     pendant's port; the local socket needs none.
     """
+    _check_times(rate, seconds)
     names = await running_joints(client, robot)
     short = [name.split("/")[-2] for name in names]
     loop = asyncio.get_running_loop()

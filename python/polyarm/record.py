@@ -58,6 +58,7 @@ def record(cell, episodes, task, robot="arm", seconds=10.0, observed=(), images=
     states = [cell.state_names.index(name) for name in names]
     commands = [cell.command_names.index(name) for name in names]
     more = [cell.state_names.index(name) for name in observed]
+    _check_seconds(seconds)
     start, frame = cell.time, 0
     episodes.begin(task)
     try:
@@ -65,8 +66,11 @@ def record(cell, episodes, task, robot="arm", seconds=10.0, observed=(), images=
             while cell.time < start + frame / episodes.fps - 1e-9:
                 cell.step(1)
             measured, commanded = cell.states(), cell.commands()
-            wanted = commanded[commands] if action is None else np.asarray(action(), float)
-            wanted = np.where(np.isfinite(wanted), wanted, measured[states])  # nobody commands: it stays
+            if action is None:
+                wanted = commanded[commands]
+                wanted = np.where(np.isfinite(wanted), wanted, measured[states])  # nobody commands: it stays
+            else:
+                wanted = np.asarray(action(), float)
             values = {"observation.state": measured[states], "action": wanted}
             if more:
                 values["observation.environment_state"] = measured[more]
@@ -94,6 +98,7 @@ async def record_running(client, episodes, task, robot="arm", seconds=10.0, obse
     Each frame asks the cell for its values. If a frame comes later than 1.5 frames and 0.1 s, the episode is discarded,
     because its times would be wrong.
     """
+    _check_seconds(seconds)
     names = await running_joints(client, robot)
     loop = asyncio.get_running_loop()
     start, frame = loop.time(), 0
@@ -123,6 +128,12 @@ async def record_running(client, episodes, task, robot="arm", seconds=10.0, obse
     except BaseException:
         episodes.discard()
         raise
+
+
+def _check_seconds(seconds):
+    """Infinite is a time, for `until`."""
+    if not seconds > 0:
+        raise ValueError(f"an episode of {seconds} s has no frames")
 
 
 def _number(value):

@@ -229,6 +229,45 @@ class DataSets(InAFolder):
             self.assertEqual(self.add(again, len(again)), len(again) - 1)
             self.assertEqual(DataSet.open(self.folder).check(), [])
 
+    def test_two_writers_lose_nothing(self):
+        first = self.filled(1)
+        second = DataSet.open(self.folder)
+        self.assertEqual([self.add(first, 1), self.add(second, 2), self.add(second, 3), self.add(first, 4)], [1, 2, 3, 4])
+        self.assertEqual(DataSet.open(self.folder).check(), [])
+        self.assertEqual([row["length"] for row in first.episodes()], [10, 11, 12, 13, 14])
+        second.drop(0)
+        self.assertEqual(self.add(first, 0), 4)
+        with self.assertRaises(IndexError):
+            second.drop(5)
+        self.assertEqual([row["length"] for row in second.episodes()], [11, 12, 13, 14, 10])
+        self.assertEqual(DataSet.open(self.folder).check(), [])
+
+    def test_processes_record_into_one_set_side_by_side(self):
+        self.filled(0)
+        children = []
+        for k in range(3):
+            child = os.fork()
+            if child == 0:
+                try:
+                    for _ in range(4):
+                        self.add(DataSet.open(self.folder), k)
+                    os._exit(0)
+                finally:
+                    os._exit(1)
+            children.append(child)
+        self.assertEqual([os.waitpid(child, 0)[1] for child in children], [0, 0, 0])
+        found = DataSet.open(self.folder)
+        self.assertEqual((len(found), found.check()), (12, []))
+        self.assertEqual(sorted(row["length"] for row in found.episodes()), [10] * 4 + [11] * 4 + [12] * 4)
+
+    def test_another_set_in_its_place_is_not_written_to(self):
+        old = self.filled(1)
+        shutil.rmtree(self.folder)
+        DataSet.create(self.folder, {"observation.state": ["z"]}, fps=20)
+        with self.assertRaisesRegex(ValueError, "is another data set now"):
+            self.add(old, 0)
+        self.assertEqual(len(DataSet.open(self.folder)), 0)
+
     def test_a_dropped_episode_leaves_no_gap(self):
         for gone in range(3):
             shutil.rmtree(self.folder, ignore_errors=True)
@@ -392,6 +431,31 @@ class Policies(InAFolder):
             cell.run(0.5)
             np.testing.assert_allclose(cell.states()[columns], before, atol=1e-9)
 
+    def test_rates_and_times_that_are_none_are_refused(self):
+        cell = self.cell()
+        before = cell.time
+        for rate in (0, -1, np.nan, np.inf):
+            with self.assertRaisesRegex(ValueError, "observations per second"):
+                run_policy(cell, lambda observation: None, rate=rate, seconds=1)
+        for seconds in (-1, np.nan):
+            with self.assertRaisesRegex(ValueError, "is no time"):
+                run_policy(cell, lambda observation: None, seconds=seconds)
+        self.assertEqual(cell.time, before)
+
+    def test_the_first_error_is_told_if_the_cell_fails_meanwhile(self):
+        cell = self.cell()
+
+        def fails(observation):
+            cell.ask = unittest.mock.Mock(side_effect=polyarm.Error([{"code": "later", "what": "", "advice": ""}]))
+            raise ValueError("mine")
+
+        def at_second_call(observation, calls=[]):  # pylint: disable=dangerous-default-value
+            calls.append(1)
+            return observation["observation.state"] if len(calls) == 1 else fails(observation)
+
+        with self.assertRaisesRegex(PolicyFailed, "mine"):
+            run_policy(cell, at_second_call, rate=30, seconds=1)
+
     def test_a_policy_that_falls_silent_stops_the_robot(self):
         cell = self.cell()
         columns = [cell.state_names.index(name) for name in joints_of(cell)]
@@ -418,6 +482,17 @@ class Policies(InAFolder):
         self.assertAlmostEqual(queue.at(2.0)[0], 0.0)
         self.assertAlmostEqual(queue.at(2.2)[0], 0.0)
         self.assertIsNone(queue.at(2.3))
+
+    def test_an_action_of_ones_own_must_be_a_frame(self):
+        cell = self.cell()
+        out = DataSet.create(self.folder, features_of(joints_of(cell)), fps=30)
+        for action in (np.full(6, np.nan), 1.0, np.zeros(5)):
+            with self.assertRaises(ValueError):
+                record(cell, out, "t", seconds=0.1, action=lambda action=action: action)
+        for seconds in (0, -1, np.nan):
+            with self.assertRaisesRegex(ValueError, "has no frames"):
+                record(cell, out, "t", seconds=seconds)
+        self.assertEqual(len(DataSet.open(self.folder)), 0)
 
     def test_a_cell_is_recorded(self):
         cell = self.cell()
