@@ -18,6 +18,7 @@ import hashlib
 import itertools
 import json
 import os
+import socket
 import ssl
 import struct
 import urllib.parse
@@ -32,6 +33,7 @@ __all__ = ["CellClient", "Closed", "connect", "running_cells"]
 _BEAT_S = 0.05
 _MOST_WAITING = 1000  # events, answers or frames that a slow reader may leave; then the oldest are dropped
 _LARGEST_MESSAGE = 64 * 2**20
+_LARGEST_REQUEST = 2**20  # bytes; a larger one would end the connection (docs/bounds.md)
 _TEXT, _BINARY, _CLOSE, _PING, _PONG = 1, 2, 8, 9, 10
 
 
@@ -46,11 +48,18 @@ def _folder() -> str:
 
 
 def running_cells() -> list[str]:
-    """The names of this user's cells that have a local socket."""
+    """The names of this user's cells that take connections at their local socket."""
     try:
-        return sorted(name[:-5] for name in os.listdir(_folder()) if name.endswith(".sock"))
+        return sorted(name[:-5] for name in os.listdir(_folder()) if name.endswith(".sock") and _answers(name))
     except FileNotFoundError:
         return []
+
+
+def _answers(name: str) -> bool:
+    """False: the socket is the rest of a cell that was killed."""
+    with socket.socket(socket.AF_UNIX) as probe:
+        probe.setblocking(False)
+        return probe.connect_ex(os.path.join(_folder(), name)) in (0, errno.EAGAIN)
 
 
 async def connect(to: str, name: str = "a Python program", fingerprint: str | None = None) -> CellClient:
@@ -66,7 +75,7 @@ async def connect(to: str, name: str = "a Python program", fingerprint: str | No
         path = to if "/" in to else os.path.join(_folder(), to + ".sock")
         try:
             channel = _Lines(*await asyncio.open_unix_connection(path, limit=_LARGEST_MESSAGE))
-        except FileNotFoundError:
+        except (FileNotFoundError, ConnectionRefusedError):
             names = ", ".join(running_cells()) or "none"
             raise FileNotFoundError(errno.ENOENT, f"no cell {to!r} of this user runs (running: {names})", path) from None
     client = CellClient(channel)
@@ -177,7 +186,8 @@ class _WebSocket(_Channel):
             if code == _PING:
                 await self._put(part, _PONG)
             elif code == _CLOSE:
-                raise Closed("closed by the cell: " + part[2:].decode(errors="replace"))
+                reason = part[2:].decode(errors="replace") or "no reason given"
+                raise Closed(f"closed by the cell: {reason} (code {int.from_bytes(part[:2], 'big')})")
             elif code != _PONG:
                 kind, data = kind or code, data + part
                 if first & 0x80:
@@ -221,7 +231,7 @@ class _Mailbox:
     async def get(self) -> Any:
         item = await self._queue.get()
         if isinstance(item, BaseException):
-            raise item
+            raise _anew(item)
         return item
 
 
@@ -301,6 +311,8 @@ class CellClient(Requests):
         """Measured and commanded values by name, and "time" (s of cell time), at most `rate` (60) times a second. Needs the
         pendant's link. A slow reader gets the newest values."""
         self._need_link("states")
+        if not rate > 0:
+            raise ValueError(f"a rate of {rate}: nothing would come")
         box = _Mailbox(1)
         self._watchers.add(box)
         try:
@@ -343,10 +355,15 @@ class CellClient(Requests):
 
     async def _send(self, request: str, arguments: dict[str, Any]) -> tuple[int, _Mailbox]:
         if self._closed is not None:
-            raise self._closed
+            raise _anew(self._closed)
         number, box = next(self._ids), _Mailbox()
         given = {key: value for key, value in arguments.items() if value is not None}
-        line = json.dumps({"request": request, "id": number, **given}, allow_nan=False, default=_plain)
+        try:
+            line = json.dumps({**given, "request": request, "id": number}, allow_nan=False, default=_plain)
+        except ValueError:
+            raise ValueError(f"an argument of {request} contains NaN or infinity, which JSON cannot say") from None
+        if len(line) >= _LARGEST_REQUEST:
+            raise ValueError(f"{request} has {len(line)} bytes; a request has fewer than {_LARGEST_REQUEST}")
         self._answers[number] = box
         try:
             await self._channel.send(line)
@@ -386,6 +403,11 @@ class CellClient(Requests):
         count = min(len(self._fields), (len(frame) - 16) // 4)
         values = struct.unpack_from(f"<{count}f", frame, 16)
         return {"time": struct.unpack_from("<d", frame, 8)[0], **dict(zip(self._fields, values))}
+
+
+def _anew(error: BaseException) -> BaseException:
+    """The same error for another reader; each one that is raised has a traceback of its own."""
+    return type(error)(*error.args)
 
 
 def _plain(value: Any) -> Any:

@@ -161,6 +161,45 @@ class Running(unittest.IsolatedAsyncioTestCase):
                     await asyncio.wait_for(cell.ask("tags.set", name="Vacuum", value=value), 10)
             self.assertEqual((await cell.program())["state"], "ready")
 
+    async def test_what_would_end_the_connection_is_refused_before_it_is_sent(self):
+        for to in ("pick", self.link):
+            async with await connect(to) as cell:
+                with self.assertRaisesRegex(ValueError, "tags.set has 1048.* bytes"):
+                    await cell.tags_set(name="V" * 2**20, value=True)
+                self.assertIn("state", await cell.program())
+
+    async def test_an_argument_never_replaces_the_number_of_a_request(self):
+        async with await connect("pick") as cell:
+            answer = await asyncio.wait_for(cell.ask("tags.list", id=12345), 60)
+            self.assertIn("tags", answer)
+
+    async def test_a_rate_of_nothing_is_refused(self):
+        async with await connect(self.link) as cell:
+            for rate in (0, -1, float("nan")):
+                with self.assertRaisesRegex(ValueError, "nothing would come"):
+                    await anext(cell.states(rate=rate))
+
+    async def test_each_reader_gets_an_error_of_its_own(self):
+        async with await connect(self.link) as cell:
+            waiting = asyncio.gather(anext(cell.listen()), anext(cell.listen()), return_exceptions=True)
+            await cell.program()
+            self.cell.kill()
+            errors = await waiting
+            for _ in range(2):
+                try:
+                    await cell.program()
+                except Closed as error:
+                    errors.append(error)
+            self.assertEqual(len({id(error) for error in errors if isinstance(error, Closed)}), len(errors))
+
+    async def test_a_killed_cell_is_not_among_those_that_run(self):
+        self.cell.kill()
+        self.cell.wait()
+        self.assertTrue((self.folder / "run/polyarm/pick.sock").exists())
+        self.assertEqual(running_cells(), [])
+        with self.assertRaisesRegex(FileNotFoundError, r"no cell 'pick' of this user runs \(running: none\)"):
+            await connect("pick")
+
     async def test_numpy_values_are_sent_as_numbers(self):
         import numpy as np
         async with await connect("pick") as cell:
