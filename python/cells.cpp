@@ -1,8 +1,10 @@
-/// A simulated cell that a Python program steps. The mutex keeps other Python threads out while the lock of
-/// the interpreter is released; whoever holds it never needs that lock.
+/// A simulated cell that a Python program steps. A turn lets one thread at a time see the cell, also while it
+/// is built anew. Every function waits for its turn without the lock of the interpreter, and ends it before
+/// it needs that lock again: neither is ever waited for under the other.
 #include <pybind11/stl.h>
 
-#include <chrono>
+#include <condition_variable>
+#include <cstdint>
 #include <deque>
 #include <filesystem>
 #include <memory>
@@ -78,6 +80,34 @@ cell::CellFile open(const std::string& path, const cell::Overrides& overrides) {
   return cell::cell_from_description(named, {}, overrides);
 }
 
+/// The first `count` values, copied.
+auto first(const auto& values, std::size_t count) {
+  return std::vector(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(count));
+}
+
+/// A mutex that threads get in the order in which they asked, so that one that steps on and on lets others
+/// read.
+class Turn {
+ public:
+  void lock() {
+    std::unique_lock lock(mutex_);
+    const std::uint64_t mine = next_++;
+    changed_.wait(lock, [&] { return mine == now_; });
+  }
+  void unlock() {
+    {
+      const std::lock_guard lock(mutex_);
+      ++now_;
+    }
+    changed_.notify_all();
+  }
+
+ private:
+  std::mutex mutex_;
+  std::condition_variable changed_;
+  std::uint64_t next_ = 0, now_ = 0;
+};
+
 class LockStepCell {
  public:
   LockStepCell(const std::string& path, cell::Overrides overrides, cell::CellOptions options)
@@ -88,7 +118,7 @@ class LockStepCell {
   ~LockStepCell() { end(); }
 
   void reset() {
-    const std::lock_guard lock(mutex_);
+    const std::lock_guard lock(turn_);
     end();
     listener_ = {};
     build();
@@ -96,14 +126,14 @@ class LockStepCell {
 
   /// `cycles` of the control loop; a tick of the cell before each cycle that needs one.
   void step(std::size_t cycles) {
-    const std::lock_guard lock(mutex_);
+    const std::lock_guard lock(turn_);
     for (std::size_t i = 0; i < cycles; ++i) step_once();
   }
 
   /// The answer to a request, as JSON. Time goes on until it is there, at most `patience` s of cell time.
   /// `follow`: to the last of several answers.
   std::string ask(const std::string& request, const std::string& id, bool follow, double patience) {
-    const std::lock_guard lock(mutex_);
+    const std::lock_guard lock(turn_);
     auto answer = std::make_shared<Answer>();
     the_cell().requests().handle(
         request,
@@ -124,30 +154,45 @@ class LockStepCell {
     return answer->line;
   }
 
-  double time() const { return seconds(loop().cycle().time); }
-  double period() const { return seconds(loop().options().period); }
+  double time() const {
+    const std::lock_guard lock(turn_);
+    return seconds(loop().cycle().time);
+  }
+  double period() const {
+    const std::lock_guard lock(turn_);
+    return seconds(loop().options().period);
+  }
   std::vector<std::string> state_names() const {
-    return named(table().state_names(), table().built_states());
+    const std::lock_guard lock(turn_);
+    return first(table().state_names(), table().built_states());
   }
   std::vector<std::string> command_names() const {
-    return named(table().command_names(), table().built_commands());
+    const std::lock_guard lock(turn_);
+    return first(table().command_names(), table().built_commands());
   }
-  Numbers states() const {
-    const std::lock_guard lock(mutex_);
-    return copied(table().states(), table().built_states());
+  std::vector<double> states() const {
+    const std::lock_guard lock(turn_);
+    return first(table().states(), table().built_states());
   }
-  Numbers commands() const {
-    const std::lock_guard lock(mutex_);
-    return copied(table().commands(), table().built_commands());
+  std::vector<double> commands() const {
+    const std::lock_guard lock(turn_);
+    return first(table().commands(), table().built_commands());
   }
   std::vector<Event> take_events() {
-    const std::lock_guard lock(mutex_);
+    const std::lock_guard lock(turn_);
     return listener_.take();
   }
-  std::string loop_state() const { return control::name(loop().supervisor().state()); }
-  bool finished() const { return inside().life->finished(); }
+  std::string loop_state() const {
+    const std::lock_guard lock(turn_);
+    return control::name(loop().supervisor().state());
+  }
+  bool finished() const {
+    const std::lock_guard lock(turn_);
+    return inside().life->finished();
+  }
   /// Why the cell cannot go on: code and text; empty while it can.
   std::pair<std::string, std::string> failure() const {
+    const std::lock_guard lock(turn_);
     const auto& failure = inside().life->failure();
     if (!failure) return {};
     return {failure->problem.code, failure->problem.text()};
@@ -185,12 +230,6 @@ class LockStepCell {
   cell::CellInside& inside() const { return cell::inside_of(the_cell()); }
   control::ControlLoop& loop() const { return inside().machine.loop(); }
   const hardware::InterfaceTable& table() const { return loop().table(); }
-  static std::vector<std::string> named(const std::vector<std::string>& names, std::size_t count) {
-    return {names.begin(), names.begin() + static_cast<std::ptrdiff_t>(count)};
-  }
-  static Numbers copied(std::span<const double> values, std::size_t count) {
-    return Numbers(static_cast<py::ssize_t>(count), values.data());
-  }
 
   std::string path_;
   cell::Overrides overrides_;
@@ -198,8 +237,22 @@ class LockStepCell {
   Listener listener_;
   std::unique_ptr<cell::Cell> cell_;
   Nanoseconds next_tick_ = 0;
-  mutable std::mutex mutex_;
+  mutable Turn turn_;
 };
+
+/// Calls a const member of the cell without the lock of the interpreter; the result becomes a Python object
+/// after that.
+template <auto kMember>
+auto unlocked(const LockStepCell& cell) {
+  const py::gil_scoped_release others;
+  return (cell.*kMember)();
+}
+
+template <auto kMember>
+Numbers unlocked_array(const LockStepCell& cell) {
+  const std::vector<double> values = unlocked<kMember>(cell);
+  return Numbers(static_cast<py::ssize_t>(values.size()), values.data());
+}
 }  // namespace
 
 void add_cells(py::module_& module) {
@@ -220,22 +273,27 @@ void add_cells(py::module_& module) {
       .def("reset", &LockStepCell::reset, py::call_guard<py::gil_scoped_release>())
       .def("step", &LockStepCell::step, py::call_guard<py::gil_scoped_release>())
       .def("ask", &LockStepCell::ask, py::call_guard<py::gil_scoped_release>())
-      .def("states", &LockStepCell::states)
-      .def("commands", &LockStepCell::commands)
+      .def("states", &unlocked_array<&LockStepCell::states>)
+      .def("commands", &unlocked_array<&LockStepCell::commands>)
       .def("take_events",
            [](LockStepCell& cell) {
+             std::vector<Event> events;
+             {
+               const py::gil_scoped_release others;
+               events = cell.take_events();
+             }
              py::list out;
-             for (const Event& event : cell.take_events())
+             for (const Event& event : events)
                out.append(py::make_tuple(event.time, event.kind, event.text, event.where));
              return out;
            })
-      .def_property_readonly("state_names", &LockStepCell::state_names)
-      .def_property_readonly("command_names", &LockStepCell::command_names)
-      .def_property_readonly("time", &LockStepCell::time)
-      .def_property_readonly("period", &LockStepCell::period)
-      .def_property_readonly("loop_state", &LockStepCell::loop_state)
-      .def_property_readonly("finished", &LockStepCell::finished)
-      .def_property_readonly("failure", &LockStepCell::failure);
+      .def_property_readonly("state_names", &unlocked<&LockStepCell::state_names>)
+      .def_property_readonly("command_names", &unlocked<&LockStepCell::command_names>)
+      .def_property_readonly("time", &unlocked<&LockStepCell::time>)
+      .def_property_readonly("period", &unlocked<&LockStepCell::period>)
+      .def_property_readonly("loop_state", &unlocked<&LockStepCell::loop_state>)
+      .def_property_readonly("finished", &unlocked<&LockStepCell::finished>)
+      .def_property_readonly("failure", &unlocked<&LockStepCell::failure>);
 }
 
 }  // namespace polyarm::python

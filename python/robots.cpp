@@ -56,11 +56,16 @@ Quaternion rotation_of(const double* m) {
   }
 }
 
-/// Throws Error("bad-pose") unless the matrix is a rotation and a translation.
-Pose pose_of(const double* m) {
+/// Throws Error("bad-pose") unless the matrix is a rotation and a translation. `index`: of the pose among
+/// `count`.
+Pose pose_of(const double* m, py::ssize_t index, py::ssize_t count) {
   constexpr double kTolerance = 1e-6;
+  const auto refused = [&](const std::string& what, const std::string& advice) {
+    const std::string whose = count == 1 ? "a pose" : "pose " + std::to_string(index);
+    return Error("bad-pose", "the matrix of " + whose + " " + what, advice);
+  };
   for (int i = 0; i < 16; ++i)
-    if (!std::isfinite(m[i])) throw Error("bad-pose", "the matrix of a pose contains NaN or infinity");
+    if (!std::isfinite(m[i])) throw refused("contains NaN or infinity", "");
   bool rigid = std::abs(m[12]) + std::abs(m[13]) + std::abs(m[14]) + std::abs(m[15] - 1) < kTolerance;
   for (int a = 0; a < 3; ++a)
     for (int b = a; b < 3; ++b) {
@@ -69,8 +74,8 @@ Pose pose_of(const double* m) {
     }
   const Vec3 x{m[0], m[4], m[8]}, y{m[1], m[5], m[9]}, z{m[2], m[6], m[10]};
   if (!rigid || dot(cross(x, y), z) < 0)
-    throw Error("bad-pose", "the matrix is not a rotation with a translation",
-                "pass 4 x 4 numbers with orthonormal columns; polyarm.pose() makes them");
+    throw refused("is not a rotation with a translation",
+                  "pass 4 x 4 numbers with orthonormal columns; polyarm.pose() makes them");
   return {{m[3], m[7], m[11]}, normalized(rotation_of(m))};
 }
 
@@ -191,7 +196,9 @@ std::vector<Pose> Robot::targets_of(const Numbers& poses) {
   if (poses.ndim() != 3 || poses.shape(1) != 4 || poses.shape(2) != 4)
     wrong_shape("a pose has 4 x 4 numbers");
   std::vector<Pose> out;
-  for (py::ssize_t i = 0; i < poses.shape(0); ++i) out.push_back(pose_of(poses.data(i)));
+  const py::ssize_t count = poses.shape(0);
+  out.reserve(std::size_t(count));
+  for (py::ssize_t i = 0; i < count; ++i) out.push_back(pose_of(poses.data(i), i, count));
   return out;
 }
 

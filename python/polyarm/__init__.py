@@ -13,9 +13,9 @@ from .errors import Error
 
 # Imported when they are used: they need the compiled module and NumPy, which polyarm.client does not.
 _MODULES = {"Cell": "cell", "Motion": "motion", "state_to_state": "motion", "through_waypoints": "motion", "Robot": "robot",
-            "pose": "robot", "robots": "robot", "Surroundings": "surroundings", "Way": "surroundings"}
+            "Saved": "cell", "pose": "robot", "robots": "robot", "Surroundings": "surroundings", "Way": "surroundings"}
 
-__all__ = ["Cell", "Error", "Motion", "Robot", "Surroundings", "Way", "pose", "robots", "state_to_state",
+__all__ = ["Cell", "Error", "Motion", "Robot", "Saved", "Surroundings", "Way", "pose", "robots", "state_to_state",
            "through_waypoints"]
 
 

@@ -24,3 +24,8 @@ class Error(RuntimeError):
     def advice(self) -> str:
         """What to do about the first problem; may be empty."""
         return str(self.problems[0]["advice"]) if self.problems else ""
+
+
+def problem(code: str, what: str, advice: str = "") -> dict[str, Any]:
+    """One finding of an Error."""
+    return {"code": code, "what": what, "advice": advice, "where": "", "severity": "error"}

@@ -52,24 +52,34 @@ class CellEnv(_Base):
         self.cell = cell if isinstance(cell, Cell) else Cell(cell, **cell_options)
         self._controller, self._reward = controller, reward or (lambda observation, action, env: 0.0)
         names = self.cell.state_names
-        self._columns = [names.index(name) for name in observed]
-        self.action_space = _Box(np.asarray(low, float), np.asarray(high, float), dtype=np.float64)
+        self._columns = [Cell._index(names, name) for name in observed]
+        low, high = np.asarray(low, float), np.asarray(high, float)
+        if low.ndim != 1 or low.shape != high.shape or not (low <= high).all():
+            raise ValueError(f"low and high have one value for each command, low <= high; not {low} and {high}")
+        self.action_space = _Box(low, high, dtype=np.float64)
         many = np.full(len(self._columns), np.inf)
         self.observation_space = _Box(-many, many, dtype=np.float64)
         self._cycles, self._steps, self._taken = cycles, steps, 0
 
     def reset(self, *, seed=None, options=None):
-        """The cell anew. Returns the observation and an empty dict."""
+        """The cell anew. Returns the observation and an empty dict. `seed`: of env.np_random; None: it goes on."""
         if gymnasium is not None:
             super().reset(seed=seed)
-        self.np_random = np.random.default_rng(seed)
+        elif seed is not None or not hasattr(self, "np_random"):
+            self.np_random = np.random.default_rng(seed)
         self.cell.reset()
         self._taken = 0
         return self._observation(), {}
 
     def step(self, action):
-        """(observation, reward, terminated, truncated, info); `info["error"]` is the code of a failure."""
-        action = np.clip(np.asarray(action, float), self.action_space.low, self.action_space.high)
+        """(observation, reward, terminated, truncated, info); `info["error"]` is the code of a failure. An action of another
+        shape, or with NaN, is a ValueError: the program is wrong, not the robot."""
+        action = np.asarray(action, float)
+        if action.shape != self.action_space.shape:
+            raise ValueError(f"an action has the shape {self.action_space.shape}, not {action.shape}")
+        if np.isnan(action).any():
+            raise ValueError("an action contains NaN")
+        action = np.clip(action, self.action_space.low, self.action_space.high)
         info = {}
         try:
             self.cell.send(self._controller, action)

@@ -2,6 +2,7 @@
 import numpy as np
 
 from ._compiled import _polyarm
+from .errors import Error, problem as _problem
 
 
 class Motion:
@@ -48,6 +49,10 @@ def through_waypoints(waypoints, velocity, acceleration, jerk, radius=0.0, splin
     each waypoint. With 0 the motion stops at each corner. `spline`: a natural cubic spline, without stops. Raises Error.
     """
     waypoints = np.atleast_2d(np.asarray(waypoints, float))
+    if waypoints.ndim != 2:
+        raise ValueError(f"waypoints have the shape (points, joints), not {waypoints.shape}")
+    if len(waypoints) < 2 or waypoints.shape[1] == 0:
+        raise Error([_problem("wrong-size", "a motion through waypoints needs two or more of them, each with a joint or more")])
     radii = np.broadcast_to(np.asarray(radius, float), (len(waypoints),))
     limits = _limits(waypoints.shape[1], velocity, acceleration, jerk)
     return Motion(_polyarm.PathMotion(waypoints, np.ascontiguousarray(radii), limits, spline))
@@ -57,11 +62,31 @@ def _state(state):
     """Rows of position, velocity and acceleration."""
     parts = state if isinstance(state, tuple) and np.ndim(state[0]) > 0 else (state,)
     position = np.atleast_1d(np.asarray(parts[0], float))
+    if position.ndim != 1:
+        raise ValueError(f"a state has one position for each joint, not the shape {position.shape}")
+    if len(parts) > 3:
+        raise ValueError("a state is positions, or a tuple of positions, velocities and accelerations")
     out = np.zeros((3, position.size))
-    for row, part in zip(out, parts):
-        row[:] = part
+    for row, part, name in zip(out, parts, ("positions", "velocities", "accelerations")):
+        row[:] = _of_joints(part, position.size, name)
     return out
 
 
 def _limits(joints, velocity, acceleration, jerk):
-    return np.array([np.broadcast_to(np.asarray(limit, float), (joints,)) for limit in (velocity, acceleration, jerk)])
+    """One row for each kind of limit. Raises Error with every limit that is missing or not above 0."""
+    kinds = {"velocity": velocity, "acceleration": acceleration, "jerk": jerk}
+    out = np.array([_of_joints(limit, joints, f"{kind} limits") for kind, limit in kinds.items()])
+    wrong = [_problem("bad-limit" if np.isfinite(value) else "bad-number",
+                      f"the {kind} limit of joint {j} is {value:g}",
+                      "limits are finite and above 0; NaN in the limits of a Robot: its description does not state them")
+             for kind, row in zip(kinds, out) for j, value in enumerate(row) if not 0 < value < np.inf]
+    if wrong:
+        raise Error(wrong)
+    return out
+
+
+def _of_joints(values, joints, what):
+    values = np.asarray(values, float)
+    if values.shape not in ((), (joints,)):
+        raise ValueError(f"{what}: one number or one for each of {joints} joints, not the shape {values.shape}")
+    return np.broadcast_to(values, (joints,))

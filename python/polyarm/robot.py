@@ -1,4 +1,6 @@
 """Robots of the catalogue or of a description file, and their kinematics."""
+import os
+
 import numpy as np
 
 from ._compiled import _polyarm
@@ -15,18 +17,32 @@ def pose(position=(0, 0, 0), rpy=None, quaternion=None):
     if rpy is not None and quaternion is not None:
         raise ValueError("state rpy or quaternion")
     out = np.eye(4)
-    out[:3, 3] = position
+    out[:3, 3] = _numbers(position, 3, "position")
     if rpy is not None:
+        rpy = _numbers(rpy, 3, "rpy")
         (cr, cp, cy), (sr, sp, sy) = np.cos(rpy), np.sin(rpy)
         out[:3, :3] = [[cy * cp, cy * sp * sr - sy * cr, cy * sp * cr + sy * sr],
                        [sy * cp, sy * sp * sr + cy * cr, sy * sp * cr - cy * sr],
                        [-sp, cp * sr, cp * cr]]
     if quaternion is not None:
-        q = np.asarray(quaternion, float)
-        x, y, z, w = q / np.linalg.norm(q)
+        q = _numbers(quaternion, 4, "quaternion")
+        length = np.linalg.norm(q)
+        if not length > 0:
+            raise ValueError("quaternion is zero: it has no rotation")
+        x, y, z, w = q / length
         out[:3, :3] = [[1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
                        [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
                        [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)]]
+    return out
+
+
+def _numbers(values, count, what):
+    """Finite numbers; ValueError for anything else."""
+    out = np.asarray(values, float)
+    if out.shape != (count,):
+        raise ValueError(f"{what} has {count} numbers, not the shape {out.shape}")
+    if not np.isfinite(out).all():
+        raise ValueError(f"{what} contains NaN or infinity")
     return out
 
 
@@ -40,7 +56,7 @@ class Robot:
     def __init__(self, name, tip="", arguments=None):
         """`name`: MAKER/MODEL, a URDF, a xacro or a robot file. `tip`: the link that carries the tool. `arguments`: of
         the xacro. Raises Error."""
-        self._robot = _polyarm.Robot(str(name), tip, {k: str(v) for k, v in (arguments or {}).items()})
+        self._robot = _polyarm.Robot(os.fspath(name), tip, {k: str(v) for k, v in (arguments or {}).items()})
 
     name = property(lambda self: self._robot.name)
     joint_names = property(lambda self: self._robot.joint_names)
@@ -82,7 +98,10 @@ class Robot:
         seeds, _ = self._rows(self.home if seed is None else seed)
         found, outcomes = self._robot.solve(targets, seeds)
         if shape == () and outcomes[0] != "solved":
-            code, reason = self._robot.explain(targets, seeds)
+            if not np.isfinite(seeds).all():
+                code, reason = "malformed", "the seed contains NaN or infinity"
+            else:
+                code, reason = self._robot.explain(targets, seeds)
             raise Error([{"code": outcomes[0], "what": reason or code, "advice": "", "where": "", "severity": "error"}])
         return found.reshape(shape + (self.joints,))
 

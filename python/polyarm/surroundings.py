@@ -42,7 +42,8 @@ class Surroundings:
         give the same way. Raises Error: "no-way", "start-in-contact", "goal-in-contact", or why a pose is out of reach."""
         start, _ = self._robot._rows(start)
         goal = np.asarray(goal, float)
-        if goal.shape == (4, 4):
+        matrix = goal.shape == (4, 4)  # of an arm with four joints, these may be four goals
+        if matrix and (self._robot.joints != 4 or np.array_equal(goal[3], (0, 0, 0, 1))):
             goals = np.array(self._world.goals_for(goal.reshape((1, 4, 4)), start))
             if len(goals) == 0:
                 goals = self._robot.ik(goal, start[0])[np.newaxis]  # raises, and says why

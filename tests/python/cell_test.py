@@ -1,6 +1,8 @@
 """Cells in lock-step: repeatable, several at once, told apart by their codes when they fail."""
 import concurrent.futures
 import multiprocessing
+import os
+import pickle
 import signal
 import threading
 import unittest
@@ -36,8 +38,28 @@ class Cells(unittest.TestCase):
         self.assertAlmostEqual(cell.time, 250 * cell.period + 0.5)
         with self.assertRaises(ValueError):
             cell.step(-1)
-        with self.assertRaisesRegex(ValueError, "1.5 cycles: a whole number was expected"):
-            cell.step(1.5)
+        for cycles in ("1.5", "nan", "inf"):
+            with self.assertRaisesRegex(ValueError, cycles + " cycles: a whole number was expected"):
+                cell.step(float(cycles))
+        for seconds in (np.nan, np.inf):
+            with self.assertRaisesRegex(ValueError, "is no time"):
+                cell.run(seconds)
+
+    def test_arguments_of_another_kind_are_refused(self):
+        for path in (None, 5):
+            with self.assertRaises(TypeError):
+                polyarm.Cell(path)
+        with self.assertRaisesRegex(TypeError, "answers is a list"):
+            polyarm.Cell(PICK, answers="yes")
+        cell = self.cell(PICK)
+        for patience in (-1, np.nan, np.inf):
+            with self.assertRaisesRegex(ValueError, "patience is"):
+                cell.ask("program", patience=patience)
+        with self.assertRaisesRegex(ValueError, "an argument of tags.set contains NaN"):
+            cell.set_tag("Vacuum", np.nan)
+        self.assertIn("tags", cell.ask("tags.list", id="mine"))  # id belongs to the cell
+        with self.assertRaisesRegex(KeyError, "arm/elbow_joint/position"):
+            cell.state("arm/elbow/position")
 
     def test_a_closed_cell_says_so(self):
         cell = self.cell(PICK)
@@ -104,6 +126,77 @@ class Cells(unittest.TestCase):
                 self.assertEqual(len(cell.states()), len(cell.state_names))
                 cell.events()
             stepping.result()
+
+    def test_another_thread_never_sees_half_a_cell(self):
+        cell = self.cell(PICK)
+        names, wrong, done = cell.state_names, [], threading.Event()
+
+        def read():
+            while not done.is_set():
+                seen = (cell.state_names, len(cell.states()), len(cell.commands()), cell.loop_state, cell.finished, cell.period)
+                if seen[:2] != (names, len(names)) or seen[3] != "running" or cell.time < 0 or cell.events() is None:
+                    wrong.append(seen)
+
+        readers = [threading.Thread(target=read) for _ in range(2)]
+        for reader in readers:
+            reader.start()
+        for _ in range(30):
+            cell.reset()
+            cell.step(20)
+            cell.ask("program")
+        done.set()
+        for reader in readers:
+            reader.join()
+        self.assertEqual(wrong, [])
+
+    def test_a_saved_state_comes_back_bit_for_bit(self):
+        cell = self.cell(PICK)
+        cell.start_program()
+        cell.run(2)
+        cell.ask("control.override", percent=50)
+        saved = pickle.loads(pickle.dumps(cell.save()))
+        self.assertEqual(saved.time, cell.time)
+
+        def rest(cell):
+            cell.run(3)
+            return np.concatenate([cell.states(), cell.commands()]), cell.tag("FeederLeft"), cell.time
+
+        first = rest(cell)
+        cell.restore(saved)
+        self.assertEqual(cell.time, saved.time)
+        again, other = rest(cell), self.cell(PICK)
+        other.restore(saved)
+        for now in (again, rest(other)):
+            np.testing.assert_array_equal(now[0], first[0])
+            self.assertEqual(now[1:], first[1:])
+        cell.restore(saved)
+        np.testing.assert_array_equal(cell.save()._states, saved._states)
+
+    def test_a_state_of_another_cell_is_refused(self):
+        saved = self.cell(PICK).save()
+        with self.assertRaises(polyarm.Error) as caught:
+            self.cell(PICK, robot="abb/irb_120").restore(saved)
+        self.assertEqual(caught.exception.code, "not-repeatable")
+
+    def test_a_copy_of_the_process_leaves_the_original_alone(self):
+        cell = self.cell(PICK)
+        cell.start_program()
+        cell.run(1)
+        folder = cell._folder
+        reading, writing = os.pipe()
+        child = os.fork()
+        if child == 0:
+            cell.run(1)
+            os.write(writing, cell.states().tobytes())
+            cell.close()
+            os._exit(0)
+        os.close(writing)
+        with os.fdopen(reading, "rb") as file:
+            ahead = np.frombuffer(file.read())
+        os.waitpid(child, 0)
+        self.assertTrue(os.path.isdir(folder))
+        cell.run(1)
+        np.testing.assert_array_equal(cell.states(), ahead)
 
     def test_ctrl_c_ends_a_long_run(self):
         cell = self.cell(forward_cell(self))
@@ -197,6 +290,27 @@ class Environment(unittest.TestCase):
         env.reset()
         env.step(np.full(6, 1e9))
         self.assertLessEqual(np.nanmax(np.abs(env.cell.commands())), 3)
+
+    def test_wrong_arguments_of_an_environment_are_errors_of_the_program(self):
+        env = self.env()
+        env.reset(seed=3)
+        for action in (np.zeros(1), np.zeros((1, 6)), 0.0, np.full(6, np.nan)):
+            with self.assertRaisesRegex(ValueError, "an action"):
+                env.step(action)
+        for low, high in (([0], [1, 2]), ([2, 2], [1, 1]), (0, 1)):
+            with self.assertRaisesRegex(ValueError, "low and high"):
+                CellEnv(env.cell, "forward", [], low, high)
+        with self.assertRaisesRegex(KeyError, "there is no interface 'arm/joint_1/positon'; there are arm/joint_1/position"):
+            CellEnv(env.cell, "forward", ["arm/joint_1/positon"], [0], [1])
+
+    def test_randomness_goes_on_without_a_seed_and_repeats_with_one(self):
+        env = self.env()
+        draws = []
+        for seed in (5, None, 5, None):
+            env.reset(seed=seed)
+            draws.append(env.np_random.random())
+        self.assertEqual(draws[:2], draws[2:])
+        self.assertNotEqual(draws[0], draws[1])
 
     def test_a_refusal_ends_the_episode_with_its_code(self):
         env = self.env()

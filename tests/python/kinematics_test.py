@@ -119,7 +119,26 @@ class Mistakes(unittest.TestCase):
         with self.assertRaisesRegex(ValueError, "one pose"):
             arm.ik_all(np.tile(np.eye(4), (2, 1, 1)))
         self.refused("wrong-size", lambda: arm.ik(np.tile(np.eye(4), (3, 1, 1)), seed=np.zeros((2, 6))))
-        self.refused("malformed", lambda: arm.ik(polyarm.pose((0.4, 0, 0.3)), seed=np.full(6, np.nan)))
+        error = self.refused("malformed", lambda: arm.ik(polyarm.pose((0.4, 0, 0.3)), seed=np.full(6, np.nan)))
+        self.assertEqual(str(error), "the seed contains NaN or infinity")
+        error = self.refused("bad-pose", lambda: arm.ik(np.stack([np.eye(4), np.eye(4), nan])))
+        self.assertIn("the matrix of pose 2 contains NaN", str(error))
+
+    def test_a_pose_is_made_of_as_many_finite_numbers_as_it_has(self):
+        for call, text in [(lambda: polyarm.pose((0.1,)), r"position has 3 numbers, not the shape \(1,\)"),
+                           (lambda: polyarm.pose(0.1), "position has 3 numbers"),
+                           (lambda: polyarm.pose((np.nan, 0, 0)), "position contains NaN"),
+                           (lambda: polyarm.pose(rpy=(1, 2)), "rpy has 3 numbers"),
+                           (lambda: polyarm.pose(rpy=(1, 2, np.inf)), "rpy contains NaN or infinity"),
+                           (lambda: polyarm.pose(quaternion=(1, 0, 0)), "quaternion has 4 numbers"),
+                           (lambda: polyarm.pose(quaternion=(0, 0, 0, 0)), "quaternion is zero")]:
+            with self.assertRaisesRegex(ValueError, text):
+                call()
+
+    def test_a_robot_is_named_by_a_text_or_a_path(self):
+        for name in (None, 3, ["universal_robots/ur5e"]):
+            with self.assertRaises(TypeError):
+                polyarm.Robot(name)
 
     def test_unreachable_poses_of_an_array_become_nan(self):
         arm = polyarm.Robot("universal_robots/ur5e")

@@ -84,12 +84,27 @@ class Motions(unittest.TestCase):
                 (lambda: polyarm.state_to_state([0.0], [1.0], synchronization="x", **LIMITS), "bad-value"),
                 (lambda: polyarm.through_waypoints([[0.0], [np.inf]], **LIMITS), "bad-number"),
                 (lambda: polyarm.through_waypoints([[0.0], [1]], radius=-1, **LIMITS), "bad-radius"),
-                (lambda: polyarm.through_waypoints([[0.0], [1]], velocity=0, acceleration=1, jerk=1), "bad-limit")]:
+                (lambda: polyarm.through_waypoints([[0.0], [1]], velocity=0, acceleration=1, jerk=1), "bad-limit"),
+                (lambda: polyarm.through_waypoints([[0.0], [1]], velocity=np.nan, acceleration=1, jerk=1), "bad-number")]:
             with self.assertRaises(polyarm.Error) as caught:
                 call()
             self.assertEqual(caught.exception.code, code)
         with self.assertRaises(ValueError):
             polyarm.state_to_state([0.0], [1.0], **LIMITS)(np.nan)
+
+    def test_a_refusal_names_the_joint_or_the_argument(self):
+        for call, error, text in [
+                (lambda: polyarm.state_to_state([0.0, 0], [1, 1], velocity=[1, 0], acceleration=1, jerk=1), polyarm.Error,
+                 "the velocity limit of joint 1 is 0"),
+                (lambda: polyarm.state_to_state([0.0, 0], [1, 1], velocity=1, acceleration=1, jerk=[-1, 1]), polyarm.Error,
+                 "the jerk limit of joint 0 is -1"),
+                (lambda: polyarm.state_to_state([0.0, 0], [1, 1], velocity=[1, 2, 3], acceleration=1, jerk=1), ValueError,
+                 r"velocity limits: one number or one for each of 2 joints, not the shape \(3,\)"),
+                (lambda: polyarm.state_to_state(([0.0, 0], [1.0]), [1, 1], **LIMITS), ValueError, "velocities: one number or one"),
+                (lambda: polyarm.through_waypoints([], **LIMITS), polyarm.Error, "needs two or more"),
+                (lambda: polyarm.through_waypoints([[1.0, 2]], **LIMITS), polyarm.Error, "needs two or more")]:
+            with self.assertRaisesRegex(error, text):
+                call()
 
 
 if __name__ == "__main__":
