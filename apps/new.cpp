@@ -162,11 +162,8 @@ int run_new(int argc, char** argv) {
         printable_line(name) != name)
       throw Error("bad-name", "'" + printable_line(name) + "' cannot be the name of a cell",
                   "use a word such as my_cell; --folder DIR sets the folder");
-    NewCell asked{name, robot.empty() ? robot_asked("universal_robots/ur5e") : robot,
-                  folder.empty() ? fs::path(name) : fs::path(folder)};
-    std::error_code error;  // the path of a description does not depend on the cell's folder
-    if (fs::is_regular_file(asked.robot, error)) asked.robot = fs::absolute(asked.robot).string();
-    return write_new_cell(asked);
+    return write_new_cell({name, robot.empty() ? robot_asked("universal_robots/ur5e") : robot,
+                           folder.empty() ? fs::path(name) : fs::path(folder)});
   }
   if (!robot.empty())
     throw Error("bad-value", "--robot is for a cell", "polyarm new cell NAME --robot ROBOT");

@@ -9,6 +9,7 @@
 #include <memory>
 #include <numbers>
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include "apps/new_cell_tour.hpp"
@@ -267,6 +268,7 @@ std::string readme(const NewCell& asked) {
       "{} takes parts from a feeder and puts them into a tray. Everything is simulated.\n\n"
       "| file | content |\n|---|---|\n"
       "| `cell.yaml` | which robot, tool and program |\n"
+      "{}"
       "| `scene.yaml` | table, feeder, tray and parts |\n"
       "| `tool.yaml` | the suction cup: its TCP, mass and body |\n"
       "| `signals.yaml` | names for inputs and outputs; `PartReady`: a part is at the feeder, "
@@ -284,29 +286,34 @@ std::string readme(const NewCell& asked) {
       "```\n\n"
       "Next: put your own table and parts into `scene.yaml`, teach the points (`polyarm console .`, or the "
       "pendant), and change the program.\n",
-      asked.name, asked.robot);
+      asked.name, asked.robot,
+      asked.robot_files.empty() ? ""
+                                : "| `robot` | its description, SRDF and meshes, copied from elsewhere |\n");
 }
 
 std::string hardware_of_simulation() {
   return hardware::driver_available("mujoco") ? "mujoco" : "mock";
 }
 
-/// File names with their texts.
-using Files = std::map<std::string, std::string>;
-
 Files pick_files(const NewCell& asked, const Layout& layout, const Sizes& sizes) {
-  return {{"cell.yaml", cell_yaml(asked, hardware_of_simulation())},
-          {"scene.yaml", scene_yaml(layout, sizes)},
-          {"tool.yaml", tool_yaml(sizes)},
-          {"signals.yaml", kSignals},
-          {"points.points", points_file(points_of(layout, sizes))},
-          {"main.script", script(layout, sizes)},
-          {"tests.script", kTests},
-          {"README.md", readme(asked)}};
+  Files out = {{"cell.yaml", cell_yaml(asked, hardware_of_simulation())},
+               {"scene.yaml", scene_yaml(layout, sizes)},
+               {"tool.yaml", tool_yaml(sizes)},
+               {"signals.yaml", kSignals},
+               {"points.points", points_file(points_of(layout, sizes))},
+               {"main.script", script(layout, sizes)},
+               {"tests.script", kTests},
+               {"README.md", readme(asked)}};
+  out.insert(asked.robot_files.begin(), asked.robot_files.end());
+  return out;
 }
 
 void write_files(const fs::path& folder, const Files& files) {
-  for (const auto& [name, text] : files) write_file_atomically(folder / name, text);
+  for (const auto& [name, text] : files) {
+    std::error_code error;
+    fs::create_directories((folder / name).parent_path(), error);
+    write_file_atomically(folder / name, text);
+  }
 }
 
 /// Leaves nothing behind if a file cannot be written, so that another attempt finds no half of a cell.
@@ -333,7 +340,8 @@ cell::CellRobots robot_with_tool(const NewCell& asked, const fs::path& folder, c
   cell::CellFile file;
   file.folder = folder;
   cell::RobotEntry entry;
-  entry.name = "arm", entry.model = asked.robot, entry.tool = "tool", entry.hardware = "mock";
+  entry.name = "arm", entry.tool = "tool", entry.hardware = "mock";
+  entry.model = asked.robot_files.empty() ? asked.robot : (folder / asked.robot).string();
   file.robots.push_back(entry);
   Problems problems;
   std::vector<std::string> notes;
@@ -516,6 +524,7 @@ Found find_tour(const NewCell& asked, const cell::CellRobot& robot, const std::s
   Found out;
   for (const double size : {1.0, 0.4, 0.1}) {
     out.files = tour_files(asked, robot, hardware_of_simulation(), why, size);
+    out.files.insert(asked.robot_files.begin(), asked.robot_files.end());
     out.problems = problems_of(out.files, scratch, asked.folder);
     if (out.problems.empty()) break;
   }
@@ -546,7 +555,8 @@ int write_tour(const NewCell& asked, const cell::CellRobot& robot, const Found& 
 
 }  // namespace
 
-int write_new_cell(const NewCell& asked) {
+int write_new_cell(const NewCell& given) {
+  NewCell asked = given;
   std::error_code error;
   const fs::path& folder = asked.folder;
   if (fs::exists(folder, error) && !(fs::is_directory(folder, error) && fs::is_empty(folder, error)))
@@ -555,16 +565,23 @@ int write_new_cell(const NewCell& asked) {
   const Scratch scratch("new");
   const std::shared_ptr<ReachGrant> grant = reach().grant();
   grant->allow(scratch.path());  // it is written again after a cell in it was opened
+  if (fs::is_regular_file(asked.robot, error)) {
+    CopiedRobot copied = copy_of_robot(asked.robot);
+    asked.robot = std::move(copied.model), asked.robot_files = std::move(copied.files);
+    write_files(scratch.path(), asked.robot_files);
+  }
   Sizes sizes;
   sizes = sizes_of(robot_with_tool(asked, scratch.path(), sizes).front()->model,
                    robot_with_tool(asked, scratch.path(), sizes).front()->facts->chain.reach());
   const cell::CellRobots robots = robot_with_tool(asked, scratch.path(), sizes);
   const cell::CellRobot& robot = *robots.front();
   if (robot.facts->chain.joints() < 3 || !(sizes.reach > 0.05))
-    throw Error("no-arm", "'" + asked.robot + "' has no arm that could take parts",
+    throw Error("no-arm", "'" + given.robot + "' has no arm that could take parts",
                 "name an arm: polyarm robots");
 
   const Found found = find_layout(asked, robot, sizes, scratch);
+  if (!asked.robot_files.empty())
+    fmt::print("{} is a copy of {}.\n", (folder / asked.robot).string(), given.robot);
   if (!found.reached || !found.problems.empty()) return write_tour(asked, robot, found, scratch);
   write_new_files(folder, found.files);
   fmt::print(

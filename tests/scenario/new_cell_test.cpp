@@ -59,6 +59,76 @@ TEST(NewCellCommand, AnArmThatCannotTakePartsFromAboveMovesItsJoints) {
   EXPECT_EQ(run_command({"test", cell}).exit_code, 0);
 }
 
+/// The description of r6bot, with a mesh.
+std::string arm_with_mesh(const std::string& mesh) {
+  std::string text = read_file(POLYARM_SOURCE_DIR "/examples/r6bot/r6bot.urdf");
+  const std::string link = "<link name=\"base_link\">";
+  text.insert(text.find(link) + link.size(),
+              "<visual><geometry><mesh filename='" + mesh + "'/></geometry></visual>");
+  return text;
+}
+
+TEST(NewCellCommand, CopiesADescriptionOfTheUser) {
+  const test::Folder folder;
+  std::string triangle(84 + 50, '\0');
+  triangle[80] = 1;
+  folder.write("elsewhere/looks/base.stl", triangle);
+  const std::string urdf = folder.write("elsewhere/my arm.urdf", arm_with_mesh("looks/base.stl"));
+  folder.write(
+      "elsewhere/my arm.srdf",
+      "<robot name='r6bot'><group name='all'><joint name='joint_1'/></group>"
+      "<group_state name='aside' group='all'><joint name='joint_1' value='0.5'/></group_state></robot>");
+  const auto cell = folder.path() / "mine";
+  const Finished made = run_command({"new", "cell", "mine", "--robot", urdf, "--folder", cell.string()});
+  ASSERT_EQ(made.exit_code, 0) << made.output;
+  EXPECT_NE(made.output.find("robot/my_arm.urdf is a copy of " + urdf), std::string::npos) << made.output;
+  const std::string copy = read_file(cell / "robot/my_arm.urdf");
+  EXPECT_NE(copy.find("filename='meshes/base.stl'"), std::string::npos) << copy;
+  EXPECT_NE(copy.find("<!-- r6bot"), std::string::npos) << "the text is that of the user";
+  EXPECT_EQ(read_file(cell / "robot/meshes/base.stl"), triangle);
+  std::filesystem::remove_all(folder.path() / "elsewhere");
+  const Finished checked = run_command({"check", cell.string()});
+  EXPECT_EQ(checked.exit_code, 0) << checked.output;
+  EXPECT_EQ(run_command({"run", cell.string(), "--fast", "--quiet"}).exit_code, 0);
+  EXPECT_NE(run_command({"describe", (cell / "robot/my_arm.urdf").string(), "--json"}).output.find("aside"),
+            std::string::npos);
+}
+
+TEST(NewCellCommand, MeshesWithOneNameStayDifferentFiles) {
+  const test::Folder folder;
+  std::string triangle(84 + 50, '\0');
+  triangle[80] = 1;
+  folder.write("elsewhere/looks/base.stl", triangle);
+  folder.write("elsewhere/meshes/base.stl", "another" + triangle.substr(7));
+  std::string text = arm_with_mesh("looks/base.stl");
+  const std::string end = "</visual>";
+  text.insert(text.find(end) + end.size(),
+              "<visual><geometry><mesh filename='meshes/base.stl'/></geometry></visual>");
+  const std::string urdf = folder.write("elsewhere/arm.urdf", text);
+  const auto cell = folder.path() / "mine";
+  const Finished made = run_command({"new", "cell", "mine", "--robot", urdf, "--folder", cell.string()});
+  ASSERT_EQ(made.exit_code, 0) << made.output;
+  const std::string copy = read_file(cell / "robot/arm.urdf");
+  EXPECT_NE(copy.find("<!-- r6bot"), std::string::npos) << "the text is that of the user";
+  EXPECT_NE(copy.find("filename='meshes/base.stl'"), std::string::npos) << copy;
+  EXPECT_NE(copy.find("filename='meshes/base_2.stl'"), std::string::npos) << copy;
+  EXPECT_EQ(read_file(cell / "robot/meshes/base.stl"), triangle);
+}
+
+TEST(NewCellCommand, CopiesWhatAnXacroExpandsTo) {
+  const test::Folder folder;
+  std::string text = arm_with_mesh("/nowhere.stl");
+  text.replace(text.find("<robot"), std::string("<robot").size(),
+               "<robot xmlns:xacro='http://www.ros.org/wiki/xacro'");
+  text.insert(text.find("<link"), "<xacro:property name='unused' value='1'/>");
+  const std::string xacro = folder.write("elsewhere/arm.urdf.xacro", text);
+  const auto cell = folder.path() / "mine";
+  const Finished made = run_command({"new", "cell", "mine", "--robot", xacro, "--folder", cell.string()});
+  ASSERT_EQ(made.exit_code, 0) << made.output;
+  EXPECT_EQ(read_file(cell / "robot/arm.urdf").find("xacro:property"), std::string::npos);
+  EXPECT_EQ(run_command({"run", cell.string(), "--fast", "--quiet"}).exit_code, 0);
+}
+
 TEST(NewCellCommand, WritesOverNothing) {
   const test::Folder folder;
   folder.write("mine/mine.txt", "kept");
