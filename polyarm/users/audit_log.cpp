@@ -19,6 +19,7 @@
 #include "polyarm/base/error.hpp"
 #include "polyarm/base/sha256.hpp"
 #include "polyarm/base/text.hpp"
+#include "polyarm/protocol/jog.hpp"
 #include "polyarm/protocol/messages.hpp"
 #include "polyarm/protocol/session.hpp"
 #include "polyarm/users/user_list.hpp"
@@ -113,6 +114,18 @@ std::string arguments_text(const protocol::Request& request) {
   if (&request.facts() == &protocol::SendMessage::kFacts)
     if (const auto& sent = request.as<protocol::SendMessage>(); !sent.goal)
       return dumped(Json{{"to", sent.to}});
+  // Repeats in a session of motion come a hundred times a second; each has other values. A jog by a distance
+  // is a motion of its own.
+  const auto repeat = [&](const auto& motion) {
+    Json out{{"session", *motion.session}};
+    if (motion.robot) out["robot"] = *motion.robot;
+    return dumped(out);
+  };
+  if (&request.facts() == &protocol::FollowTarget::kFacts)
+    if (const auto& target = request.as<protocol::FollowTarget>(); target.session) return repeat(target);
+  if (&request.facts() == &protocol::JogMotion::kFacts)
+    if (const auto& jog = request.as<protocol::JogMotion>(); jog.session && !jog.end && !jog.by)
+      return repeat(jog);
   return arguments_text(request.arguments());
 }
 
@@ -175,6 +188,14 @@ class AuditLog::Work {
   }
 
  private:
+  struct Recent {
+    AuditEntry entry;
+    std::uint64_t repeats = 0;
+    Clock::time_point until;
+  };
+  static constexpr std::size_t kRecent =
+      16;  ///< different entries whose repeats are counted at the same time
+
   /// What was done, or may have been, always has room; equal refusals in a row are one line, and need room
   /// once.
   bool has_room_for(const AuditEntry& entry) {
@@ -194,8 +215,8 @@ class AuditLog::Work {
     std::unique_lock lock(mutex_);
     for (;;) {
       const auto work = [&] { return over_ || !queue_.empty() || lost_ > 0 || flush_asked_ != flush_done_; };
-      if (repeats_ > 0)
-        wake_.wait_until(lock, merge_until_, work);
+      if (!recent_.empty())
+        wake_.wait_until(lock, recent_.front().until, work);
       else
         wake_.wait(lock, work);
       std::deque<AuditEntry> taken;
@@ -206,7 +227,7 @@ class AuditLog::Work {
       lock.unlock();
       for (AuditEntry& entry : taken) take(std::move(entry));
       if (lost > 0) unwritten_ += lost;
-      if (all || Clock::now() >= merge_until_) write_repeats();
+      while (!recent_.empty() && (all || Clock::now() >= recent_.front().until)) write_oldest();
       if (all || Clock::now() >= lost_told_ + kMergeFor) write_lost();
       taken.clear();
       lock.lock();
@@ -218,23 +239,24 @@ class AuditLog::Work {
     }
   }
 
-  /// The first of equal entries is written at once, so that it survives a kill.
+  /// The first of equal entries is written at once, so that it survives a kill. Those of others may come
+  /// between.
   void take(AuditEntry entry) {
-    if (has_last_ && Clock::now() < merge_until_ && same(entry, last_)) {
-      ++repeats_;
-      last_.time = std::move(entry.time);
-      return;
-    }
-    write_repeats();
+    for (Recent& recent : recent_)
+      if (Clock::now() < recent.until && same(entry, recent.entry)) {
+        ++recent.repeats;
+        recent.entry.time = std::move(entry.time);
+        return;
+      }
+    if (recent_.size() == kRecent) write_oldest();
     write(line_of(entry));
-    last_ = std::move(entry);
-    has_last_ = true;
-    merge_until_ = Clock::now() + kMergeFor;
+    recent_.push_back({std::move(entry), 0, Clock::now() + kMergeFor});
   }
 
-  void write_repeats() {
-    if (repeats_ > 0) write(line_of(last_, std::exchange(repeats_, 0)));
-    if (Clock::now() >= merge_until_) has_last_ = false;
+  void write_oldest() {
+    const Recent oldest = std::move(recent_.front());
+    recent_.pop_front();
+    if (oldest.repeats > 0) write(line_of(oldest.entry, oldest.repeats));
   }
 
   void write_lost() {
@@ -290,10 +312,10 @@ class AuditLog::Work {
   double refusals_ = kRefusalsAtOnce;
   Clock::time_point refilled_ = Clock::now();
   // the writer's own
-  AuditEntry last_;
-  bool has_last_ = false, just_failed_ = false;
-  std::uint64_t repeats_ = 0, unwritten_ = 0;
-  Clock::time_point merge_until_{}, lost_told_{};
+  std::deque<Recent> recent_;  // the oldest first; equal entries are counted there
+  bool just_failed_ = false;
+  std::uint64_t unwritten_ = 0;
+  Clock::time_point lost_told_{};
   std::thread thread_;
 };
 

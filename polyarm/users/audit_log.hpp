@@ -42,7 +42,7 @@ bool is_audited(const protocol::RequestType& type, const protocol::Any& argument
 /// becomes its size and SHA-256.
 std::string arguments_text(const protocol::Any& arguments);
 /// The same of a request. Of a message to a controller, which may come thousands of times a second, only the
-/// receiver.
+/// receiver; of a repeated target or jog of speeds, only its session and robot.
 std::string arguments_text(const protocol::Request& request);
 /// One line without its end.
 std::string line_of(const AuditEntry& entry, std::uint64_t times = 1);
