@@ -7,6 +7,7 @@
 #include <charconv>
 #include <cmath>
 #include <functional>
+#include <numbers>
 #include <optional>
 
 #include "polyarm/base/printable.hpp"
@@ -44,6 +45,20 @@ double finite(double value, const Location& where) {
   return value;
 }
 
+/// A place 100 m away was measured in millimetres. Without this, the result would be wrong by a factor of
+/// 1000.
+void must_be_metres(const std::string& name, const Vec3& place, const Location& where) {
+  constexpr double kFar = 100;
+  for (const double each : {place.x, place.y, place.z})
+    if (std::abs(finite(each, where)) > kFar)
+      throw Error(Problem{"bad-value", where, fmt::format("'{}' lies {:g} m away", name, std::abs(each)),
+                          "this looks like millimetres; lengths are in metres"});
+}
+
+bool is_place(const std::string& vector) {
+  return vector == "point" || vector == "known";
+}
+
 Sample from_yaml(const Yaml& yaml, Problems& problems) {
   Sample out;
   out.where = yaml.where();
@@ -52,12 +67,12 @@ Sample from_yaml(const Yaml& yaml, Problems& problems) {
     collect(problems, [&] {
       if (among(kPoses, entry.key)) {
         const Pose pose = entry.value.pose();
-        for (const double each : {pose.position.x, pose.position.y, pose.position.z})
-          finite(each, entry.where);
+        must_be_metres(entry.key, pose.position, entry.where);
         out.poses[entry.key] = pose;
       } else if (among(kVectors, entry.key)) {
         const Vec3 v = entry.value.vec3(Dimension::none);
         for (const double each : {v.x, v.y, v.z}) finite(each, entry.where);
+        if (is_place(entry.key)) must_be_metres(entry.key, v, entry.where);
         out.vectors[entry.key] = v;
       } else if (among(kJoints, entry.key)) {
         const auto values = entry.value.entries();
@@ -127,10 +142,18 @@ void put_poses(Sample& sample, const std::map<std::string, std::array<double, 7>
     if (name.ends_with(" angles")) continue;
     if (among(kVectors, name)) {
       sample.vectors[name] = {n[0], n[1], n[2]};
+      if (is_place(name)) must_be_metres(name, sample.vectors[name], sample.where);
       continue;
     }
     Pose pose{{n[0], n[1], n[2]}, {n[3], n[4], n[5], n[6]}};
+    must_be_metres(name, pose.position, sample.where);
     if (const auto angles = numbers.find(name + " angles"); angles != numbers.end()) {
+      constexpr double kTwoTurns = 4 * std::numbers::pi;
+      for (const double each : angles->second)
+        if (std::abs(each) > kTwoTurns)
+          throw Error(Problem{"bad-value", sample.where,
+                              fmt::format("an angle of '{}' is {:g} rad", name, each),
+                              "this looks like degrees; angles are in radians"});
       pose.rotation = from_rpy(angles->second[0], angles->second[1], angles->second[2]);
     } else {
       const Quaternion& q = pose.rotation;

@@ -1,6 +1,7 @@
 /// Files of samples: what is read, what is refused with its line, and bytes of any kind.
 #include "polyarm/calibration/samples.hpp"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <random>
@@ -63,6 +64,17 @@ TEST(Samples, WrongOnesAreNamedWithTheirLine) {
                 .find("length 1"),
             std::string::npos);
   EXPECT_NE(problem("samples: []\n", "s.yaml").find("polyarm: samples/1"), std::string::npos);
+  for (const char* name : {"point", "known"})
+    EXPECT_NE(
+        problem(fmt::format("{0}.x, {0}.y, {0}.z\n1, 2, 3\n1, -410, 3\n", name))
+            .find(fmt::format("s.csv:3: error: '{}' lies 410 m away (this looks like millimetres", name)),
+        std::string::npos);
+  EXPECT_EQ(problem("force.x, force.y, force.z\n1, 410, 3\n"), "(no problem)");
+  const std::string angles = "flange.x,flange.y,flange.z,flange.roll,flange.pitch,flange.yaw\n";
+  EXPECT_NE(problem(angles + "410,0,0,0,0,0\n").find("looks like millimetres"), std::string::npos);
+  EXPECT_NE(problem(angles + "0.4,0,0,180,0,0\n").find("looks like degrees"), std::string::npos);
+  EXPECT_NE(problem("polyarm: samples/1\nsamples:\n  - {point: [0, 410, 0]}\n", "s.yaml").find("millimetres"),
+            std::string::npos);
   EXPECT_NE(problem("polyarm: samples/1\nsamples:\n  - {flnge: [0, 0, 0]}\n", "s.yaml").find("s.yaml:3"),
             std::string::npos);
   const Sample one = read_samples(kYaml, "s.yaml").front();
