@@ -564,11 +564,17 @@ async def _record(arguments):
 
     async with await connect(arguments.cell, name="recording of episodes") as client:
         folder = pathlib.Path(arguments.folder)
+        features = features_of(await running_joints(client, arguments.robot))
         if (folder / "meta" / "info.json").exists():
             episodes = DataSet.open(folder)
+            there = {name: feature["names"] for name, feature in episodes.features.items()}
+            if there != features:
+                raise ValueError(f"{folder} has other features than '{arguments.robot}' of this cell: {there}, not {features}")
+            if arguments.fps not in (None, episodes.fps):
+                raise ValueError(f"{folder} has {episodes.fps} frames per second, not {arguments.fps}")
         else:
-            names = await running_joints(client, arguments.robot)
-            episodes = DataSet.create(folder, features_of(names), arguments.fps, robot_type=arguments.robot)
+            fps = 30 if arguments.fps is None else arguments.fps
+            episodes = DataSet.create(folder, features, fps, robot_type=arguments.robot)
         for _ in range(arguments.episodes):
             print(f"episode {len(episodes)} begins", flush=True)
             number = await record_running(client, episodes, arguments.task, arguments.robot, arguments.seconds)
@@ -589,7 +595,7 @@ def main(words=None):
     recording.add_argument("--cell", required=True, help="the link of its page, or its name")
     recording.add_argument("--task", required=True, help="what the robot is to do, in words")
     recording.add_argument("--robot", default="arm")
-    recording.add_argument("--fps", type=int, default=30)
+    recording.add_argument("--fps", type=int, help="frames per second of a new data set (30)")
     recording.add_argument("--seconds", type=float, default=10)
     recording.add_argument("--episodes", type=int, default=1)
     for name, what in (("list", "list the episodes"), ("check", "find faults of a data set"), ("drop", "remove an episode")):

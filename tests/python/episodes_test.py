@@ -591,6 +591,21 @@ class Running(unittest.IsolatedAsyncioTestCase):
         again = DataSet.open(self.folder / "set")
         self.assertEqual((len(again), again.check()), (2, []))
 
+    async def test_the_command_continues_a_set_only_as_it_is(self):
+        DataSet.create(self.folder / "other", FEATURES, fps=5)
+        async with await connect("six") as client:
+            DataSet.create(self.folder / "set", features_of(await running_joints(client)), fps=5)
+        for name, more, said in (("other", [], "has other features than 'arm' of this cell"),
+                                 ("set", ["--fps", "30"], "has 5 frames per second, not 30"),
+                                 ("new", ["--fps", "0"], "0 frames per second")):
+            output = io.StringIO()
+            with contextlib.redirect_stdout(output):
+                done = await asyncio.to_thread(episodes_module.main, ["record", str(self.folder / name), "--cell", "six",
+                                                                     "--task", "x", "--seconds", "0.4", *more])
+            self.assertEqual(done, 1)
+            self.assertIn(said, output.getvalue())
+        self.assertFalse((self.folder / "new").exists())
+
 
 if __name__ == "__main__":
     unittest.main()
