@@ -13,6 +13,7 @@
 #include "polyarm/base/printable.hpp"
 #include "polyarm/base/text.hpp"
 #include "polyarm/yaml/yaml.hpp"
+#include "polyarm/yaml/yaml_repeats.hpp"
 
 namespace polyarm::calibration {
 
@@ -88,6 +89,7 @@ Sample from_yaml(const Yaml& yaml, Problems& problems) {
 std::vector<Sample> read_yaml(std::string_view text, const std::string& file) {
   const Yaml yaml = Yaml::parse(text, file);
   Problems problems;
+  check_repeats(yaml, problems);
   if (yaml["polyarm"].text("") != "samples/1")
     problems.error("bad-value", yaml.where(), "this is not a file of samples",
                    "its first line is `polyarm: samples/1`");

@@ -77,6 +77,9 @@ TEST(Samples, WrongOnesAreNamedWithTheirLine) {
             std::string::npos);
   EXPECT_NE(problem("polyarm: samples/1\nsamples:\n  - {flnge: [0, 0, 0]}\n", "s.yaml").find("s.yaml:3"),
             std::string::npos);
+  EXPECT_NE(problem("polyarm: samples/1\nsamples:\n  - {point: [0, 1, 0], point: [0, 1, 1]}\n", "s.yaml")
+                .find("'point' is defined twice"),
+            std::string::npos);
   const Sample one = read_samples(kYaml, "s.yaml").front();
   EXPECT_THROW(one.pose("measured"), Error);
   EXPECT_THROW(one.values("q", {"one", "three"}), Error);

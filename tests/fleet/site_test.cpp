@@ -316,6 +316,9 @@ TEST_F(SiteFile, WhatWouldShowATokenOrIsWrongIsRefused) {
   EXPECT_EQ(code("{address: 'http://localhost:99999', token_file: token}"), "bad-site");
   EXPECT_EQ(code("{address: 'http://localhost', token_file: missing}"), "bad-token");
   EXPECT_NE(code("{address: 'http://localhost'}"), "none");
+  EXPECT_EQ(code("{address: 'http://localhost:1', token_file: token}\n"
+                 "  a: {address: 'http://localhost:2', token_file: token}"),
+            "duplicate-name");
   ::chmod((folder.path() / "token").c_str(), 0644);
   EXPECT_EQ(code("{address: 'http://localhost', token_file: token}"), "bad-token") << "others may read it";
 }
