@@ -24,6 +24,7 @@ import zlib
 
 import numpy as np
 
+from ._statistics import image_statistics, statistics, together
 from .parquet import Column, pandas_index, read_table, write_file, write_table
 
 __all__ = ["DataSet", "png"]
@@ -67,40 +68,6 @@ def _described_camera(name, height, width, video_fps):
 
 def _place(episode):
     return {"chunk_index": episode // _CHUNK, "file_index": episode % _CHUNK}
-
-
-def _statistics(values):
-    """Of one feature, as LeRobot has them: lists of one number for each dimension."""
-    array = np.asarray(values, float).reshape(len(values), -1)
-    out = {"min": array.min(0), "max": array.max(0), "mean": array.mean(0), "std": array.std(0),
-           "count": np.array([len(array)])}
-    for name, share in (("q01", 0.01), ("q10", 0.1), ("q50", 0.5), ("q90", 0.9), ("q99", 0.99)):
-        out[name] = np.quantile(array, share, axis=0)
-    return out
-
-
-def _image_statistics(images):
-    """Of pictures: each channel as 3 x 1 x 1, from 0 to 1, of at most 100 pictures."""
-    chosen = np.linspace(0, len(images) - 1, min(len(images), 100)).round().astype(int)
-    array = np.stack([images[i][::4, ::4].reshape(-1, 3).astype(float) / 255 for i in chosen])
-    stats = _statistics(array.reshape(-1, 3))
-    return {name: value.reshape(-1, 1, 1) if name != "count" else np.array([len(chosen)])
-            for name, value in stats.items()}
-
-
-def _together(all_stats):
-    """Statistics of several episodes as one."""
-    count = np.array([float(stats["count"][0]) for stats in all_stats])
-    weight = count / count.sum()
-
-    def mixed(name):
-        return sum(w * np.asarray(stats[name]) for w, stats in zip(weight, all_stats))
-
-    mean = mixed("mean")
-    spread = sum(w * (np.asarray(s["std"]) ** 2 + (np.asarray(s["mean"]) - mean) ** 2) for w, s in zip(weight, all_stats))
-    out = {"min": np.min([s["min"] for s in all_stats], axis=0), "max": np.max([s["max"] for s in all_stats], axis=0),
-           "mean": mean, "std": np.sqrt(spread), "count": np.array([int(count.sum())])}
-    return out | {name: mixed(name) for name in all_stats[0] if name.startswith("q")}
 
 
 @contextlib.contextmanager
@@ -244,10 +211,10 @@ class DataSet:
             tasks.append(self._task)
             self._write_tasks(tasks)
         start, place = self.info["total_frames"], _place(episode)
-        stats = {name: _image_statistics(values) if feature["dtype"] in ("image", "video") else _statistics(values)
+        stats = {name: image_statistics(values) if feature["dtype"] in ("image", "video") else statistics(values)
                  for name, feature in self.features.items() for values in [frames[name]]}
         own = self._own_columns(episode, start, count, tasks.index(self._task))
-        stats |= {name: _statistics(column.values) for name, column in own.items()}
+        stats |= {name: statistics(column.values) for name, column in own.items()}
         row = {"episode_index": Column("int64", [episode]), "tasks": Column("string", [[self._task]], lists=True),
                "length": Column("int64", [count]), "data/chunk_index": Column("int64", [place["chunk_index"]]),
                "data/file_index": Column("int64", [place["file_index"]]), "dataset_from_index": Column("int64", [start]),
@@ -383,7 +350,7 @@ class DataSet:
         meta = self.folder / "meta"
         meta.mkdir(parents=True, exist_ok=True)
         if all_stats:
-            stats = {feature: _together([stats[feature] for stats in all_stats]) for feature in all_stats[0]}
+            stats = {feature: together([stats[feature] for stats in all_stats]) for feature in all_stats[0]}
             write_file(str(meta / "stats.json"), json.dumps(
                 {feature: {kind: value.tolist() for kind, value in of.items()} for feature, of in stats.items()}, indent=1))
         if tasks:
@@ -472,7 +439,7 @@ class DataSet:
                    for name, values in table.items()}
         stats = other._stats_of(old)
         for name in ("episode_index", "index"):
-            stats[name] = _statistics(table[name])
+            stats[name] = statistics(table[name])
         row, _ = read_table(other.folder / _META.format(**there))
         row["episode_index"], row["dataset_from_index"], row["dataset_to_index"] = [episode], [start], [start + count]
         for name in list(row):
