@@ -33,8 +33,10 @@ class FarFci {
   /// One millisecond: the machine moves, and a state goes out.
   void cycle();
   void drop() { door_.drop_all(); }
-  /// The last state has no answer yet, and there is somebody who answers.
-  bool waits() const { return answers_ && unanswered_ > 0 && machine_.moves(); }
+  /// The last state of a motion has no answer yet, also before the client's first one.
+  bool unanswered() const { return unanswered_ > 0 && machine_.moves(); }
+  /// The same, and there is somebody who answers.
+  bool waits() const { return answers_ && unanswered(); }
   /// States that the driver may take for the robot's, and the id of the newest one.
   std::uint64_t states() const { return sent_; }
   std::uint64_t newest() const { return newest_; }
