@@ -116,6 +116,19 @@ CartesianWay cartesian_way(const ForwardMove& move, const Six& from, const MoveF
   return out;
 }
 
+JointSpeeds joint_speeds(const ForwardMove& move, const Six& from, const MoveFrame& frame) {
+  const Six to = end_of(move);
+  const double most = largest_difference(to, from);
+  JointSpeeds out{INFINITY, INFINITY};
+  for (std::size_t j = 0; j < 6; ++j) {
+    const double way = std::abs(to[j] - from[j]);
+    const double gear = most > 1e-9 && way > 1e-9 ? most / way : most > 1e-9 ? INFINITY : 1;
+    out.speed = std::min(out.speed, move.share * frame.velocity[j] * gear);
+    out.acceleration = std::min(out.acceleration, move.acceleration * frame.acceleration[j] * gear);
+  }
+  return out;
+}
+
 double joint_way(const ForwardMove& move, const Six& from, const MoveFrame& frame) {
   const Pose tool = tool_of(move, frame);
   const Six to = end_of(move);

@@ -45,6 +45,11 @@ struct CartesianWay {
 };
 /// Of a move that begins at the joints `from`.
 CartesianWay cartesian_way(const hardware::ForwardMove& move, const Six& from, const MoveFrame& frame);
+/// Of the joint that turns most in a joint move: the joints turn together, and none exceeds its limit.
+struct JointSpeeds {
+  double speed = 0, acceleration = 0;  ///< rad/s and rad/s²
+};
+JointSpeeds joint_speeds(const hardware::ForwardMove& move, const Six& from, const MoveFrame& frame);
 /// m that the TCP travels in a joint move.
 double joint_way(const hardware::ForwardMove& move, const Six& from, const MoveFrame& frame);
 

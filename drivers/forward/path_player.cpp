@@ -64,6 +64,11 @@ bool PathPlayer::take(const PlayedMove& move) {
   return true;
 }
 
+void PathPlayer::end_last() {
+  if (waiting_.empty() || (waiting_.size() == 1 && part_.under_way())) return;
+  waiting_.back().blend = waiting_.back().blend_share = 0;
+}
+
 void PathPlayer::change_pace(double share, double dt) {
   pace_ += std::clamp(share - pace_, -dt / kPaceRamp, dt / kPaceRamp);
 }

@@ -53,6 +53,8 @@ class PathPlayer {
   void set_tool(const Pose& T_flange_tcp) { tool_ = T_flange_tcp; }
   /// False: there is no room for the move.
   bool take(const PlayedMove& move);
+  /// No move follows the last one for now: unless it is under way, it ends at rest.
+  void end_last();
   /// The pace goes towards this share of 1.
   void change_pace(double share, double dt);
   /// One step of the controller; the arm moves after it.

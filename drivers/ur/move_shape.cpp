@@ -11,21 +11,6 @@ namespace {
 
 constexpr double kLeastSpeed = 1e-3;  // m/s, and rad/s
 
-/// The joints turn together, so the one that turns most sets the speed.
-void set_joint_speed(const ForwardMove& move, const Six& from, const MoveFrame& frame, MoveMessage& out) {
-  double most = 0;
-  for (std::size_t j = 0; j < 6; ++j) most = std::max(most, std::abs(out.goal[j] - from[j]));
-  double speed = INFINITY, acceleration = INFINITY;
-  for (std::size_t j = 0; j < 6; ++j) {
-    const double way = std::abs(out.goal[j] - from[j]);
-    const double gear = most > 1e-9 && way > 1e-9 ? most / way : most > 1e-9 ? INFINITY : 1;
-    speed = std::min(speed, move.share * frame.velocity[j] * gear);
-    acceleration = std::min(acceleration, move.acceleration * frame.acceleration[j] * gear);
-  }
-  out.speed = std::max(speed, kLeastSpeed);
-  out.acceleration = acceleration;
-}
-
 }  // namespace
 
 MoveMessage message_of(const ForwardMove& move, const Six& from, const ForwardMove* next,
@@ -35,7 +20,9 @@ MoveMessage message_of(const ForwardMove& move, const Six& from, const ForwardMo
   out.blend = forward::blend_of(move, from, next, frame);
   if (move.kind == ForwardMove::Kind::joint) {
     out.work = Work::joint;
-    set_joint_speed(move, from, frame, out);
+    const forward::JointSpeeds speeds = forward::joint_speeds(move, from, frame);
+    out.speed = std::max(speeds.speed, kLeastSpeed);
+    out.acceleration = speeds.acceleration;
     return out;
   }
   const forward::CartesianWay way = forward::cartesian_way(move, from, frame);
