@@ -45,6 +45,17 @@ constexpr DriverParameter kParameters[] = {
     {"loop_silence_ms", number, "100", "ms without a command of the loop until the link ends", 10, 10000},
     {"connect_timeout", number, "2", "s for each connection and answer", 0.05, 60},
     {"start_timeout", number, "10", "s for motors, mode and state", 0.05, 600},
+    {"motion", text, "stream",
+     "stream: this computer interpolates and streams positions; forward: the controller makes the moves; for "
+     "arms with six joints",
+     -std::numeric_limits<double>::infinity(), std::numeric_limits<double>::infinity(), "stream forward"},
+    {"poll_ms", number, "20", "forward: ms between two readings", 4, 1000},
+    {"answer_ms", number, "1000", "forward: ms without an answer until the link counts as lost", 50, 20000},
+    {"watchdog_ms", number, "2000",
+     "forward: ms for which the driving process may hang before a process of its own stops the robot; more "
+     "than `answer_ms`; 0: none",
+     0, 60000},
+    {"line_acceleration", number, "2", "forward: m/s² of lines and arcs", 0.05, 50},
 };
 constexpr hardware::DriverFacts kFacts = {"system", "robots of UFACTORY: xArm 5, 6 and 7, Lite 6, 850",
                                           "a controller of our own, byte for byte, with faults on both "
@@ -85,7 +96,7 @@ CallbackReturn XarmComponent::on_init(const hardware::ComponentContext& context)
   settings_.command_port = static_cast<int>(p.number("command_port"));
   settings_.report_port = static_cast<int>(p.number("report_port"));
   settings_.clear_errors = p.boolean("clear_errors");
-  settings_.tool_inputs = settings_.tool_outputs = p.boolean("tool_io");
+  settings_.signals.tool = p.boolean("tool_io");
   force_sensor_ = p.boolean("force_sensor");
   settings_.stepped = stepped_link_;
   settings_.read(p);
@@ -93,6 +104,7 @@ CallbackReturn XarmComponent::on_init(const hardware::ComponentContext& context)
   const double servo_ms = p.number("servo_ms");
   constexpr const char* kTakes[] = {"position"};
   joints_ = wire::driven_joints(context, kTakes, "robots of UFACTORY", p.problems(), 5, kWireJoints);
+  const bool forward = p.text("motion") == "forward";
   p.problems().throw_if_errors();
   settings_.axes = joints_.size();
   settings_.cycles = cycles_of_command(period_, servo_ms);
@@ -104,9 +116,13 @@ CallbackReturn XarmComponent::on_init(const hardware::ComponentContext& context)
   const auto signals = [&](const char* parameter) {
     return wire::signal_range(parameter, p.text(parameter), kMostSignals - 1, 0);
   };
-  settings_.inputs = signals("digital_in");
-  settings_.outputs = signals("digital_out");
-  link_ = std::make_unique<Link>(settings_);
+  settings_.signals.inputs = signals("digital_in");
+  settings_.signals.outputs = signals("digital_out");
+  forward_.reset(), link_.reset();
+  if (forward)
+    make_forward(context, p);
+  else
+    link_ = std::make_unique<Link>(settings_);
   return CallbackReturn::success;
 }
 
@@ -114,10 +130,10 @@ void XarmComponent::add_signals(std::vector<hardware::InterfaceDescription>& out
   const auto add = [&](const char* name, int number) {
     out.push_back({robot_ + "/io/" + name + std::to_string(number)});
   };
-  if (inputs)
-    for (int i = 0; i < settings_.inputs.count; ++i) add("digital_in_", settings_.inputs.first + i);
-  for (int i = 0; i < settings_.outputs.count; ++i) add("digital_out_", settings_.outputs.first + i);
-  if (!settings_.tool_outputs) return;
+  const UsedSignals& used = settings_.signals;
+  for (int i = 0; inputs && i < used.inputs.count; ++i) add("digital_in_", used.inputs.first + i);
+  for (int i = 0; i < used.outputs.count; ++i) add("digital_out_", used.outputs.first + i);
+  if (!used.tool) return;
   if (inputs)
     for (int i = 0; i < kMostToolSignals; ++i) add("tool_in_", i);
   for (int i = 0; i < kMostToolSignals; ++i) add("tool_out_", i);
@@ -143,48 +159,61 @@ std::vector<hardware::InterfaceDescription> XarmComponent::command_interfaces() 
   return out;
 }
 
-ReturnType XarmComponent::read(const hardware::Cycle&, std::span<double> states) noexcept {
+void XarmComponent::show_controller(const Report& report, const Panel& panel,
+                                    const std::array<double, 3>& streaming, Mode mode,
+                                    std::span<double> states) const noexcept {
+  std::size_t at = 0;
+  for (const double value : pose_of(report.pose)) states[at++] = value;
+  const bool ready = report.mode == mode && report.state <= State::standing;
+  for (const double value :
+       {static_cast<double>(report.state), static_cast<double>(report.mode), ready ? 1.0 : 0.0,
+        static_cast<double>(panel.error), static_cast<double>(panel.warning),
+        static_cast<double>(report.queued), streaming[0], streaming[1], streaming[2]})
+    states[at++] = value;
+  if (force_sensor_)
+    for (const double value : report.force) states[at++] = report.has_force ? value : kNaN;
+  const UsedSignals& used = settings_.signals;
+  for (int i = 0; i < used.inputs.count; ++i) states[at++] = bit(panel.inputs, used.inputs.first + i);
+  for (int i = 0; i < used.outputs.count; ++i) states[at++] = bit(panel.outputs, used.outputs.first + i);
+  for (const std::uint32_t word : {panel.tool_inputs, panel.tool_outputs})
+    for (int i = 0; used.tool && i < kMostToolSignals; ++i) states[at++] = bit(word, i);
+}
+
+ReturnType XarmComponent::read(const hardware::Cycle& cycle, std::span<double> states) noexcept {
+  if (forward_) return read_forward(cycle, states);
   link_->fetch();
   const Sample& sample = link_->sample();
-  const Report& report = sample.report;
-  const Panel& panel = link_->panel();
   std::size_t at = 0;
   for (std::size_t j = 0; j < joints_.size(); ++j) {
     states[at++] = sample.q[j];
     states[at++] = sample.dq[j];
-    states[at++] = report.torque[j];
+    states[at++] = sample.report.torque[j];
   }
-  for (const double value : pose_of(report.pose)) states[at++] = value;
-  const bool ready = report.mode == Mode::servo && report.state <= State::standing;
-  for (const double value :
-       {static_cast<double>(report.state), static_cast<double>(report.mode), ready ? 1.0 : 0.0,
-        static_cast<double>(panel.error), static_cast<double>(panel.warning),
-        static_cast<double>(report.queued), sample.behind, static_cast<double>(sample.shaped),
-        static_cast<double>(sample.replaced)})
-    states[at++] = value;
-  if (force_sensor_)
-    for (const double value : report.force) states[at++] = report.has_force ? value : kNaN;
-  for (int i = 0; i < settings_.inputs.count; ++i)
-    states[at++] = bit(panel.inputs, settings_.inputs.first + i);
-  for (int i = 0; i < settings_.outputs.count; ++i)
-    states[at++] = bit(panel.outputs, settings_.outputs.first + i);
-  if (settings_.tool_inputs)
-    for (int i = 0; i < kMostToolSignals; ++i) states[at++] = bit(panel.tool_inputs, i);
-  if (settings_.tool_outputs)
-    for (int i = 0; i < kMostToolSignals; ++i) states[at++] = bit(panel.tool_outputs, i);
+  show_controller(sample.report, link_->panel(),
+                  {sample.behind, static_cast<double>(sample.shaped), static_cast<double>(sample.replaced)},
+                  Mode::servo, states.subspan(at));
   return link_->cause() == Cause::none ? ReturnType::ok : ReturnType::error;
 }
 
-ReturnType XarmComponent::write(const hardware::Cycle&, std::span<const double> commands) noexcept {
-  if (link_->cause() != Cause::none) return ReturnType::error;
-  if (!active_) return ReturnType::ok;
-  Outputs outputs;
+Outputs XarmComponent::outputs_of(std::span<const double> commands) const noexcept {
+  Outputs out;
+  const UsedSignals& used = settings_.signals;
   std::size_t at = joints_.size();
-  for (int i = 0; i < settings_.outputs.count; ++i)
-    outputs.digital[static_cast<std::size_t>(settings_.outputs.first + i)] = commands[at++];
-  if (settings_.tool_outputs)
-    for (std::size_t i = 0; i < kMostToolSignals; ++i) outputs.digital[kMostSignals + i] = commands[at++];
-  link_->outputs(outputs);
+  for (int i = 0; i < used.outputs.count; ++i)
+    out.digital[static_cast<std::size_t>(used.outputs.first + i)] = commands[at++];
+  for (std::size_t i = 0; used.tool && i < kMostToolSignals; ++i)
+    out.digital[kMostSignals + i] = commands[at++];
+  return out;
+}
+
+ReturnType XarmComponent::write(const hardware::Cycle&, std::span<const double> commands) noexcept {
+  if ((forward_ ? forward_->cause() : link_->cause()) != Cause::none) return ReturnType::error;
+  if (!active_) return ReturnType::ok;
+  if (forward_) {
+    forward_->cycle(outputs_of(commands));
+    return judge_joints(commands);
+  }
+  link_->outputs(outputs_of(commands));
   return write_joints(commands, joints_.size());
 }
 
@@ -193,11 +222,13 @@ const hardware::DriverFacts* XarmComponent::facts() const noexcept {
 }
 
 std::string XarmComponent::summary() const {
-  if (!link_) return {};
-  const Version& version = link_->version();
-  return fmt::format("UFACTORY controller at {}{}, {} axes, a servo command every {:g} ms", settings_.host,
-                     version.text.empty() ? "" : ", firmware " + version.firmware(), settings_.axes,
-                     settings_.period * 1000);
+  if (!link_ && !forward_) return {};
+  const Version& version = forward_ ? forward_->version() : link_->version();
+  const std::string device =
+      fmt::format("UFACTORY controller at {}{}, {} axes", settings_.host,
+                  version.text.empty() ? "" : ", firmware " + version.firmware(), settings_.axes);
+  if (forward_) return device + ", its own motion";
+  return fmt::format("{}, a servo command every {:g} ms", device, settings_.period * 1000);
 }
 
 }  // namespace polyarm::xarm

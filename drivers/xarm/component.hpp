@@ -1,9 +1,12 @@
 #pragma once
-/// A robot of UFACTORY (xArm 5, 6 and 7, Lite 6, 850) in servo mode.
+/// A robot of UFACTORY (xArm 5, 6 and 7, Lite 6, 850) in servo mode, or in position mode (forward mode).
+#include <array>
 #include <string>
 #include <vector>
 
+#include "drivers/forward/forward_component.hpp"
 #include "drivers/wire/stream_component.hpp"
+#include "drivers/xarm/forward_link.hpp"
 #include "drivers/xarm/link.hpp"
 
 namespace polyarm::xarm {
@@ -19,8 +22,13 @@ namespace polyarm::xarm {
 /// reads and moves nothing. Activating clears an error, switches motors and servo mode on; the robot stands
 /// still, and the first command must be at the measured position. Deactivating brakes the robot and leaves
 /// the controller stopped, in position mode.
-class XarmComponent : public wire::StreamComponent<Link, Cause, kWireJoints> {
+///
+/// In forward mode, for arms with six joints, the commands of joints are not sent: moves come over
+/// ForwardMoves, and go into the queue of the controller. The controller's tool becomes that of the cell.
+class XarmComponent
+    : public forward::ForwardComponent<wire::StreamComponent<Link, Cause, kWireJoints>, ForwardLink, Cause> {
  public:
+  static constexpr std::size_t kStates = 3;  ///< of each joint, the position first
   hardware::CallbackReturn on_init(const hardware::ComponentContext& context) override;
   std::vector<hardware::InterfaceDescription> state_interfaces() const override;
   std::vector<hardware::InterfaceDescription> command_interfaces() const override;
@@ -31,10 +39,17 @@ class XarmComponent : public wire::StreamComponent<Link, Cause, kWireJoints> {
   std::string summary() const override;
 
  protected:
+  const std::vector<std::string>& joint_names() const { return joints_; }
   bool stepped_link_ = false;  ///< the controller's clock waits for the loop
 
  private:
   void add_signals(std::vector<hardware::InterfaceDescription>& out, bool inputs) const;
+  void make_forward(const hardware::ComponentContext& context, hardware::DriverParameters& p);
+  hardware::ReturnType read_forward(const hardware::Cycle& cycle, std::span<double> states) noexcept;
+  /// What follows the joints' states.
+  void show_controller(const Report& report, const Panel& panel, const std::array<double, 3>& streaming,
+                       Mode mode, std::span<double> states) const noexcept;
+  Outputs outputs_of(std::span<const double> commands) const noexcept;
 
   LinkSettings settings_;
   std::string robot_;

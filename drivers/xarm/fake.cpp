@@ -29,7 +29,7 @@ MachineOptions machine_of(const hardware::RobotInstance& robot, Nanoseconds peri
 }  // namespace
 
 CallbackReturn FakeXarm::on_init(const hardware::ComponentContext& context) {
-  if (context.robots.size() != 1) return XarmComponent::on_init(context);
+  if (context.robots.size() != 1) return SimulatedComponent::on_init(context);
   FarSideOptions options;
   options.machine = machine_of(context.robots.front(), context.period);
   options.ports = {0, 0, 0, 0};
@@ -39,16 +39,37 @@ CallbackReturn FakeXarm::on_init(const hardware::ComponentContext& context) {
   hardware::ComponentContext own = wire::beside_its_controller(context);
   own.parameters["command_port"] = std::to_string(far_->ports().command);
   own.parameters["report_port"] = std::to_string(far_->ports().real);
-  return XarmComponent::on_init(own);
+  own.parameters.try_emplace("answer_ms", "20000");
+  return SimulatedComponent::on_init(own);
+}
+
+/// One cycle of the controller, then exchanges until the driver has its report. What the loop wants reaches the
+/// controller in the next one.
+void FakeXarm::step_moves(double period) noexcept {
+  constexpr Nanoseconds kOnlyAsk = 0;
+  if (!active_) {
+    forward()->exchange(kOnlyAsk);  // takes what came
+    return;
+  }
+  faults_.step(*far_, period);
+  const auto before = far_->packets();
+  far_->step(0);
+  const auto [packets, newest] = far_->sent();
+  do forward()->exchange(kAnswer);
+  while (packets != before && forward()->sample().count < newest && forward()->cause() == Cause::none);
 }
 
 /// The controller moves on when it has every command, and the loop when the driver has its report.
 hardware::ReturnType FakeXarm::read(const hardware::Cycle& cycle, std::span<double> states) noexcept {
+  if (forward()) {
+    step_moves(seconds(cycle.period));
+    return SimulatedComponent::read(cycle, states);
+  }
   if (active_) link()->settle(kAnswer);
   step(seconds(cycle.period));
   if (active_) link()->settle(kAnswer);
   if (is_due(kServices)) link()->serve_services();
-  return XarmComponent::read(cycle, states);
+  return SimulatedComponent::read(cycle, states);
 }
 
 std::string FakeXarm::summary() const {

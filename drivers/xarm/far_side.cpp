@@ -27,6 +27,9 @@ constexpr wire::OrderKind kKinds[] = {
     {"refuse_mode", "servo mode is not taken"},
     {"refuse_state", "it does not become ready"},
     {"refuse_servo", "servo commands are invalid"},
+    {"refuse_moves", "moves are invalid"},
+    {"refuse_tool", "another TCP is not taken"},
+    {"ignore_stop", "programs cannot stop it"},
     {"locked_outputs", "outputs cannot be written"},
     {"other_axes", "the version names an arm with so many axes (7)"},
     {"silent", "no reports"},
@@ -84,6 +87,9 @@ void FarSide::order_on_wires(const wire::Order& order) {
                    {"refuse_mode", &machine_.refuse_mode},
                    {"refuse_state", &machine_.refuse_state},
                    {"refuse_servo", &machine_.refuse_servo},
+                   {"refuse_moves", &machine_.refuse_moves},
+                   {"refuse_tool", &machine_.refuse_tool},
+                   {"ignore_stop", &machine_.ignore_stop},
                    {"locked_outputs", &machine_.locked_outputs},
                    {"silent", &faults_.silent},
                    {"nonsense", &faults_.nonsense},
@@ -107,8 +113,10 @@ void FarSide::order_on_wires(const wire::Order& order) {
 
 void FarSide::make_healthy() {
   faults_ = {};
-  machine_.other_moves = machine_.refuse_enable = machine_.refuse_mode = machine_.refuse_state =
-      machine_.refuse_servo = machine_.locked_outputs = false;
+  for (bool* one : {&machine_.other_moves, &machine_.refuse_enable, &machine_.refuse_mode,
+                    &machine_.refuse_state, &machine_.refuse_servo, &machine_.refuse_moves,
+                    &machine_.refuse_tool, &machine_.ignore_stop, &machine_.locked_outputs})
+    *one = false;
   machine_.other_axes = 0;
 }
 

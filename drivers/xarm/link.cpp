@@ -145,7 +145,7 @@ void Link::take_report(const Report& report, Nanoseconds now) {
 void Link::judge_report(const Report& report) {
   if (report.state == State::paused) return end_with(Cause::paused, 0);
   if (!ready_state(static_cast<int>(report.state))) {
-    const Why why = explain_stop();
+    const PanelPort::Why why = explain_stop();
     if (why.cause != Cause::stopped || report.mode == Mode::servo) return end_with(why.cause, why.detail);
   }
   if (report.mode != Mode::servo) end_with(Cause::mode_changed, static_cast<int>(report.mode));
@@ -233,7 +233,7 @@ void Link::take_answers() {
   }
   asked_ = false;
   if (reply->bits & kErrorBit) {
-    const Why why = explain_stop();
+    const PanelPort::Why why = explain_stop();
     return end_with(why.cause, why.detail);
   }
   if (!(reply->bits & (kNotReadyBit | kInvalidBit))) return;
@@ -246,7 +246,7 @@ void Link::take_answers() {
 /// The controller did not take a command, and its reports show no reason.
 void Link::judge_doubt() {
   if (fault_ || doubt_ == Cause::none || ++doubtful_reports_ < kDoubtfulReports) return;
-  const Why why = doubt_ == Cause::not_ready ? explain_stop() : Why{doubt_, 0};
+  const PanelPort::Why why = doubt_ == Cause::not_ready ? explain_stop() : PanelPort::Why{doubt_, 0, {}};
   end_with(why.cause, why.detail);
 }
 

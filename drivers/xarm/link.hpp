@@ -12,15 +12,11 @@
 
 #include "drivers/wire/link_base.hpp"
 #include "drivers/wire/shaper.hpp"
-#include "drivers/wire/signals.hpp"
+#include "drivers/xarm/panel_port.hpp"
 #include "drivers/xarm/report.hpp"
-#include "drivers/xarm/ux_port.hpp"
 #include "polyarm/realtime/queue.hpp"
 
 namespace polyarm::xarm {
-
-inline constexpr int kMostSignals = 16;  ///< digital inputs and outputs of the control box: CI0–7, DI0–7
-inline constexpr int kMostToolSignals = 2;  ///< of the tool
 
 /// What the controller reports. rad, rad/s.
 struct Sample {
@@ -32,18 +28,6 @@ struct Sample {
   std::uint64_t replaced = 0;  ///< commands that a newer one replaced before they were sent
 };
 
-/// What the second connection shows.
-struct Panel {
-  int error = 0, warning = 0;
-  std::uint32_t inputs = 0, outputs = 0, tool_inputs = 0, tool_outputs = 0;
-};
-
-/// NaN: stays as it is. The signals of the control box, then those of the tool.
-struct Outputs {
-  std::array<double, kMostSignals + kMostToolSignals> digital;
-  Outputs() noexcept;
-};
-
 struct LinkSettings : wire::StreamSettings {
   std::string host;
   int command_port = kCommandPort, report_port = kRealPort;
@@ -52,8 +36,7 @@ struct LinkSettings : wire::StreamSettings {
   int cycles = 1;            ///< of the loop, for one of them
   double report_period = 0;  ///< s, between two reports; 0: by the clock of this computer
   bool clear_errors = true;  ///< activating clears an error that is not there any more
-  wire::SignalRange inputs, outputs;
-  bool tool_inputs = false, tool_outputs = false;
+  UsedSignals signals;
   wire::AxisLimitsOf<7> limits;  ///< degrees, of commands
 };
 
@@ -89,17 +72,12 @@ class Link : public wire::StreamLink<wire::LinkBase<Cause>, Sample, Panel> {
     bool move = false;
     Seven joints{};  ///< degrees
   };
-  struct ErrorCodes {
-    int error = 0, warning = 0;
-  };
 
   // how it begins and ends; link_setup.cpp
   bool refuse_port(const UxPort& port);
   bool connect_reports();
   bool identify();
-  std::optional<UxReply> ask(Register reg, const std::vector<std::uint8_t>& data = {});
-  std::optional<ErrorCodes> ask_error();
-  bool clear_error();
+  bool refuse_panel();
   bool set(Register reg, unsigned value);
   bool await_report(Nanoseconds timeout, bool (Link::*seen)() const);
   bool has_report() const { return reports_seen_ > 0; }
@@ -113,16 +91,7 @@ class Link : public wire::StreamLink<wire::LinkBase<Cause>, Sample, Panel> {
   // the second connection; link_services.cpp
   void run_services();
   bool serve_round();
-  bool ask_service(Register reg, const std::vector<std::uint8_t>& data, std::optional<UxReply>& reply);
-  bool write_outputs();
-  bool write_output(std::size_t at, bool on);
-  bool read_signals();
-  bool read_tool();
-  struct Why {
-    Cause cause;
-    int detail;
-  };
-  Why explain_stop();
+  PanelPort::Why explain_stop();
 
   // the thread of reports and commands; link.cpp
   void run();
@@ -159,8 +128,9 @@ class Link : public wire::StreamLink<wire::LinkBase<Cause>, Sample, Panel> {
 
   std::recursive_mutex services_mutex_;  // second connection, of any thread but the control thread
   UxPort services_port_;
+  PanelPort panel_{services_port_, settings_.signals, settings_.timeout};
   bool open_ = false;
-  Outputs wanted_, written_;
+  Outputs wanted_;
   Panel current_panel_;
 
   realtime::Queue<Wanted> commands_{256};

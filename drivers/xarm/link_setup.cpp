@@ -1,6 +1,5 @@
 /// How a link begins and ends: connections, errors, motors, servo mode.
 #include <algorithm>
-#include <limits>
 #include <utility>
 
 #include "drivers/xarm/link.hpp"
@@ -10,14 +9,9 @@ namespace polyarm::xarm {
 
 namespace {
 
-constexpr int kAllJoints = 8;
 constexpr Nanoseconds kStanding = 1'000'000'000;  // for a robot to stand
 
 }  // namespace
-
-Outputs::Outputs() noexcept {
-  digital.fill(std::numeric_limits<double>::quiet_NaN());
-}
 
 Link::Link(LinkSettings settings)
     : StreamLink("the controller at " + settings.host),
@@ -31,25 +25,13 @@ bool Link::refuse_port(const UxPort& port) {
   return refuse(port.failure().cause, 0, port.failure().text);
 }
 
-/// Over the second connection.
-std::optional<UxReply> Link::ask(Register reg, const std::vector<std::uint8_t>& data) {
-  const std::lock_guard lock(services_mutex_);
-  auto reply = services_port_.ask(reg, data, settings_.timeout);
-  if (!reply) refuse_port(services_port_);
-  return reply;
-}
-
-std::optional<Link::ErrorCodes> Link::ask_error() {
-  const auto reply = ask(Register::get_error);
-  if (!reply) return std::nullopt;
-  if (reply->data.size() >= 2) return ErrorCodes{reply->data[0], reply->data[1]};
-  refuse(Cause::bad_data);
-  return std::nullopt;
+bool Link::refuse_panel() {
+  return refuse(panel_.failure().cause, panel_.failure().detail, panel_.failure().text);
 }
 
 bool Link::identify() {
-  const auto reply = ask(Register::version);
-  if (!reply) return false;
+  const auto reply = panel_.ask(Register::version);
+  if (!reply) return refuse_panel();
   version_ = parse_version(reply->data);
   const bool old = std::pair(version_.major, version_.minor) < std::pair(kLeastMajor, kLeastMinor);
   if (old) return refuse(Cause::old_firmware, 0, version_.firmware());
@@ -82,7 +64,8 @@ bool Link::open() {
   fault_.clear();
   refused_.clear();
   outputs_.fetch();  // what was wanted before counts no more
-  written_ = wanted_ = Outputs();
+  wanted_ = Outputs();
+  panel_.forget();
   current_ = {};
   current_panel_ = {};
   reports_seen_ = 0;
@@ -122,44 +105,25 @@ bool Link::await_report(Nanoseconds timeout, bool (Link::*seen)() const) {
   return !fault_ && (this->*seen)();
 }
 
-/// An error that is still there comes back, and is named.
-bool Link::clear_error() {
-  auto codes = ask_error();
-  if (!codes) return false;
-  if (codes->error == 0 && codes->warning == 0) return true;
-  if (codes->error != 0 && !settings_.clear_errors) return refuse(Cause::error_pending, codes->error);
-  if (!ask(Register::clean_warning) || (codes->error != 0 && !ask(Register::clean_error))) return false;
-  codes = ask_error();
-  if (!codes) return false;
-  return codes->error == 0 || refuse(cause_of_error(codes->error), codes->error);
-}
-
 bool Link::set(Register reg, unsigned value) {
-  const auto reply = ask(reg, UxData().u8(value));
-  if (!reply) return false;
-  return !(reply->bits & kInvalidBit) || refuse(Cause::request_refused, static_cast<int>(reg));
+  const std::lock_guard lock(services_mutex_);
+  return panel_.set(reg, value) || refuse_panel();
 }
 
 /// Motors, mode and state, in the order in which the maker wants them.
 bool Link::set_up_motion() {
-  const auto enabled = ask(Register::motion_enable, UxData().u8(kAllJoints).u8(1));
-  if (!enabled) return false;
-  if (enabled->bits & (kErrorBit | kInvalidBit)) {
-    const auto codes = ask_error();
-    if (!codes) return false;
-    return codes->error != 0 ? refuse(cause_of_error(codes->error), codes->error)
-                             : refuse(Cause::enable_refused);
+  {
+    const std::lock_guard lock(services_mutex_);
+    if (!panel_.clear(settings_.clear_errors) || !panel_.enable_motors()) return refuse_panel();
   }
   if (!set(Register::set_mode, static_cast<unsigned>(Mode::servo))) return false;
   if (!await_report(settings_.start_timeout, &Link::in_servo_mode))
-    return !fault_ && refuse(Cause::mode_refused);
+    return !fault_ && refuse(Cause::mode_refused, static_cast<int>(Mode::servo));
   if (!set(Register::set_state, 0)) return false;
   if (await_report(settings_.start_timeout, &Link::is_ready)) return true;
   if (fault_) return false;
-  const auto codes = ask_error();
-  if (!codes) return false;
-  return codes->error != 0 ? refuse(cause_of_error(codes->error), codes->error)
-                           : refuse(Cause::state_refused);
+  const std::lock_guard lock(services_mutex_);
+  return panel_.fail_with_error(Cause::state_refused) || refuse_panel();
 }
 
 bool Link::start() {
@@ -169,11 +133,12 @@ bool Link::start() {
   {
     const std::lock_guard lock(services_mutex_);
     outputs_.fetch();  // what was wanted before counts no more
-    written_ = wanted_ = Outputs();
+    wanted_ = Outputs();
+    panel_.forget();
   }
   if (!await_report(std::min(settings_.start_timeout, kStanding), &Link::stands_still))
     return !fault_ && refuse(Cause::moves);
-  if (!clear_error() || !set_up_motion()) return false;
+  if (!set_up_motion()) return false;
   std::unique_lock lock(mutex_);
   renew(lock);
   phase_ = Phase::streaming;

@@ -16,7 +16,11 @@ constexpr double kThere = 1e-5;                    // degrees
 constexpr double kTolerance = 1.05;                // of a speed limit, in servo mode
 constexpr double kJerkTime = 0.05;                 // s, to the acceleration of a move
 constexpr double kVelocityAcceleration = 500;      // degrees/s², in velocity mode
-constexpr int kSpeedError = 24, kLimitError = 23;
+constexpr int kSpeedError = 24, kLimitError = 23, kNoPathError = 21;
+constexpr std::size_t kMostMoves = 1024;    // in the queue
+constexpr double kCoasting = 0.15;          // s, of a stop
+constexpr double kAlone = 0.1;              // s, after which a move with a radius counts as the last one
+constexpr double kJointAcceleration = 500;  // degrees/s²
 
 /// Types as the maker counts them.
 int type_of(const std::string& model, std::size_t axes) {
@@ -44,7 +48,8 @@ MachineFacts facts_of(const description::RobotModel& model) {
   return out;
 }
 
-Machine::Machine(MachineOptions options) : options_(std::move(options)), shaper_(options_.cycle_ms / 1000.0) {
+Machine::Machine(MachineOptions options)
+    : options_(std::move(options)), shaper_(options_.cycle_ms / 1000.0), player_(played_arm(), kMostMoves) {
   for (std::size_t i = options_.facts.axes; i < kWireJoints; ++i) options_.start[i] = 0;
   command_ = measured_ = target_ = options_.start;
 }
@@ -52,7 +57,10 @@ Machine::Machine(MachineOptions options) : options_(std::move(options)), shaper_
 // --- people -----------------------------------------------------------------------------------------------
 
 void Machine::stop_motion() {
+  if (plays() && !stands()) coasting_ = kCoasting;
   moves_.clear();
+  player_.forget();
+  next_.reset();
   has_target_ = had_target_ = planning_ = false;
   velocity_ = {};
 }
@@ -83,8 +91,8 @@ void Machine::switch_motors(bool on) {
 /// Another mode wants a new start, as at the maker's.
 void Machine::set_mode(int mode) {
   if (mode == static_cast<int>(mode_)) return;
-  mode_ = static_cast<Mode>(mode);
   stop_motion();
+  mode_ = static_cast<Mode>(mode);
   if (is_ready()) state_ = State::reset;
 }
 
@@ -95,6 +103,7 @@ void Machine::set_state(int state) {
     return;
   }
   if (state == 4) {
+    if (ignore_stop) return;
     state_ = State::stopped;
     stop_motion();
     return;
@@ -106,6 +115,8 @@ void Machine::set_state(int state) {
 void Machine::push_by_hand(const Seven& change) {
   for (std::size_t i = 0; i < kWireJoints; ++i) command_[i] += change[i];
   measured_ = command_;
+  player_.interrupt();
+  speed_ = {};
   has_target_ = planning_ = false;
 }
 
@@ -167,6 +178,75 @@ void Machine::plan() {
   planning_ = false;
 }
 
+// --- moves that it interpolates itself --------------------------------------------------------------------
+
+forward::PlayedArm Machine::played_arm() {
+  forward::PlayedArm out;
+  out.q = [this]() -> const Six& {
+    for (std::size_t i = 0; i < played_.size(); ++i) played_[i] = command_[i] / wire::kDegrees;
+    return played_;
+  };
+  out.still = [this] { return stands(); };
+  out.may_move = [this] { return enabled_ && error_ == 0 && state_ <= State::paused; };
+  out.follow = [this](const Six& q) { next_ = q; };
+  out.refuse = [this] { raise_error(kNoPathError); };
+  out.ended = [](int) {};
+  out.flange = [this](const Six& q, std::array<double, 36>& J) {
+    return options_.facts.chain->jacobian(q, J);
+  };
+  for (std::size_t i = 0; i < out.velocity.size(); ++i) {
+    out.velocity[i] = options_.facts.velocity[i] / wire::kDegrees;
+    out.acceleration[i] = kJointAcceleration / wire::kDegrees;
+  }
+  return out;
+}
+
+bool Machine::stands() const {
+  return coasting_ <= 0 && std::all_of(speed_.begin(), speed_.end(), [](double v) { return v == 0; });
+}
+
+/// A joint that is too fast or beyond its limit is an error. False: there is one.
+bool Machine::drive(const Six& q) {
+  for (std::size_t i = 0; i < q.size(); ++i) {
+    const double next = q[i] * wire::kDegrees;
+    const bool fast = std::abs(next - command_[i]) > options_.facts.velocity[i] * period() * kTolerance;
+    if (fast || next < options_.facts.lower[i] - kThere || next > options_.facts.upper[i] + kThere) {
+      raise_error(fast ? kSpeedError : kLimitError);
+      return false;
+    }
+  }
+  for (std::size_t i = 0; i < q.size(); ++i) {
+    const double next = q[i] * wire::kDegrees;
+    speed_[i] = (next - command_[i]) / period();
+    command_[i] = next;
+  }
+  return true;
+}
+
+/// A stop of the controller, without a path.
+void Machine::coast() {
+  const double dt = period();
+  const double left = coasting_ > dt ? 1 - dt / coasting_ : 0;
+  coasting_ = std::max(0.0, coasting_ - dt);
+  for (std::size_t i = 0; i < options_.facts.axes; ++i) {
+    speed_[i] *= left;
+    command_[i] = std::clamp(command_[i] + speed_[i] * dt, options_.facts.lower[i], options_.facts.upper[i]);
+  }
+}
+
+/// Position mode: a path of moves, with rounded corners. A pause scales its time down to rest.
+void Machine::play_moves() {
+  player_.change_pace(state_ == State::paused ? 0 : 1, period());
+  alone_ = player_.waiting() == 1 ? alone_ + 1 : 0;
+  if (alone_ * period() > kAlone) player_.end_last();
+  next_.reset();
+  player_.step(period());
+  if (const auto next = std::exchange(next_, std::nullopt))
+    drive(*next);
+  else if (error_ == 0)
+    speed_ = {};
+}
+
 void Machine::measure() {
   for (std::size_t i = 0; i < kWireJoints; ++i) {
     const double before = measured_[i];
@@ -178,16 +258,22 @@ void Machine::measure() {
 
 void Machine::step() {
   const Seven before = command_;
-  if (is_ready()) {
+  if (is_ready() && coasting_ <= 0) {
     if (mode_ == Mode::servo) follow_target();
     if (mode_ == Mode::joint_velocity) follow_velocity();
-    if (mode_ == Mode::position || mode_ == Mode::online_joint) plan();
+    if (!plays() && (mode_ == Mode::position || mode_ == Mode::online_joint)) plan();
   }
+  if (coasting_ > 0)
+    coast();
+  else if (plays())
+    play_moves();
+  else
+    speed_ = {};
   if (other_moves) command_[0] += 0.05;
   for (std::size_t i = 0; i < kWireJoints; ++i) jump_ = std::max(jump_, std::abs(command_[i] - before[i]));
   measure();
   if (is_ready()) {
-    const bool moves = command_ != before || !moves_.empty() || measured_ != command_;
+    const bool moves = command_ != before || queued() > 0 || measured_ != command_;
     state_ = moves ? State::moving : State::standing;
   }
   for (const auto& [output, input] : wires_) set_input(input, outputs_ >> output & 1);
@@ -211,7 +297,7 @@ Report Machine::report() const {
   Report out;
   out.state = state_;
   out.mode = mode_;
-  out.queued = static_cast<int>(moves_.size());
+  out.queued = static_cast<int>(queued());
   for (std::size_t i = 0; i < kWireJoints; ++i) out.position[i] = measured_[i] / wire::kDegrees;
   out.pose = pose_of(measured_);
   out.has_force = true;

@@ -10,7 +10,9 @@
 #include <utility>
 #include <vector>
 
+#include "drivers/forward/path_player.hpp"
 #include "drivers/wire/shaper.hpp"
+#include "drivers/xarm/moves.hpp"
 #include "drivers/xarm/report.hpp"
 #include "drivers/xarm/ux.hpp"
 #include "polyarm/description/robot_model.hpp"
@@ -39,6 +41,8 @@ struct MachineOptions {
 class Machine {
  public:
   explicit Machine(MachineOptions options);
+  Machine(const Machine&) = delete;
+  Machine& operator=(const Machine&) = delete;
   /// One cycle.
   void step();
   double period() const { return options_.cycle_ms / 1000.0; }
@@ -85,6 +89,9 @@ class Machine {
   bool refuse_mode = false;     ///< servo mode is not taken
   bool refuse_state = false;    ///< it does not become ready
   bool refuse_servo = false;    ///< servo commands are invalid
+  bool refuse_moves = false;    ///< moves are invalid
+  bool refuse_tool = false;     ///< another TCP is not taken
+  bool ignore_stop = false;     ///< it is not stopped by a program
   bool locked_outputs = false;  ///< outputs cannot be written
   bool other_moves = false;     ///< something else moves the robot
   int other_axes = 0;           ///< that the version says; 0: its own
@@ -103,6 +110,7 @@ class Machine {
   bool enable(const UxRequest& request);
   bool take_servo(const UxRequest& request);
   bool take_move(const UxRequest& request);
+  bool play(const UxMove& move);
   bool take_velocity(const UxRequest& request);
   bool take_values(const UxRequest& request);
   Data forward(const UxRequest& request, std::uint8_t& bits) const;
@@ -113,6 +121,14 @@ class Machine {
   void follow_target();
   void follow_velocity();
   void plan();
+  void play_moves();
+  bool drive(const Six& next);
+  void coast();
+  bool stands() const;
+  /// The controller interpolates: in position mode, for an arm with six joints. Others have joint moves only.
+  bool plays() const { return mode_ == Mode::position && options_.facts.axes == 6 && options_.facts.chain; }
+  std::size_t queued() const { return moves_.size() + player_.waiting(); }
+  forward::PlayedArm played_arm();
   void measure();
   bool within_limits(const Seven& degrees) const;
   std::string version() const;
@@ -125,6 +141,13 @@ class Machine {
   std::deque<Move> moves_;
   bool planning_ = false;
   wire::ShaperOf<7> shaper_;
+  forward::PathPlayer player_;
+  Six played_{};             ///< rad: where the joints are, for the player
+  std::optional<Six> next_;  ///< rad: where they go in this cycle
+  Six last_pose_{};          ///< mm, rad: of the TCP, where the last move in the queue ends
+  Seven speed_{};            ///< of the command, degrees/s
+  double coasting_ = 0;      ///< s, until a robot stands whose moves were stopped
+  int alone_ = 0;            ///< cycles with one move and none behind it
   double jump_ = 0, fastest_ = 0;
   std::uint64_t servo_commands_ = 0;
   bool enabled_ = true;

@@ -1,7 +1,9 @@
 /// What the simulated controller makes of the requests of its clients.
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
+#include "drivers/wire/arcs.hpp"
 #include "drivers/wire/six_axes.hpp"
 #include "drivers/xarm/machine.hpp"
 
@@ -12,7 +14,7 @@ namespace {
 constexpr std::size_t kVersionSize = 40;
 constexpr int kParameterWarning = 12, kUnknownWarning = 13, kFullWarning = 11;
 constexpr int kJoints = 8;                          // number that means every joint
-constexpr std::size_t kMostMoves = 1024;            // in the queue
+constexpr std::size_t kMostQueued = 1024;
 constexpr double kSpeed = 20, kAcceleration = 500;  // degrees/s, degrees/s², where a move says none
 constexpr std::uint16_t kToolInputs = 0x0A14, kToolOutputs = 0x0A15, kToolSet = 0x0A18, kLiteInput = 0x0A12;
 constexpr int kToolSignals = 5;
@@ -66,7 +68,7 @@ std::vector<std::uint8_t> Machine::read(const UxRequest& request, std::uint8_t& 
     case Register::get_state:
       return UxData().u8(static_cast<unsigned>(state_));
     case Register::queue_length:
-      return word(moves_.size());
+      return word(queued());
     case Register::get_error:
       return UxData().u8(static_cast<unsigned>(error_)).u8(static_cast<unsigned>(warning_));
     case Register::tcp_pose:
@@ -167,6 +169,9 @@ bool Machine::act(const UxRequest& request) {
     case Register::move_joint:
     case Register::move_joint_blend:
     case Register::move_home:
+    case Register::move_line:
+    case Register::move_line_blend:
+    case Register::move_circle:
       return take_move(request);
     case Register::joint_velocity:
       return take_velocity(request);
@@ -217,25 +222,72 @@ bool Machine::take_servo(const UxRequest& request) {
 }
 
 bool Machine::take_move(const UxRequest& request) {
-  const bool home = request.reg == Register::move_home;
-  const auto joints = home ? std::optional<Seven>(Seven{}) : joints_in(request.data);
-  const auto values = floats(request.data, home ? 3 : 10);
-  if (!joints || !values) return false;
-  if (!is_ready()) return true;
-  if (!within_limits(*joints)) {
+  const auto move = decode_move(request.reg, request.data);
+  if (!move || refuse_moves) return false;
+  if (move->kind != UxMove::Kind::joint && !plays()) {
+    warning_ = kUnknownWarning;
+    return false;
+  }
+  if (!is_ready()) return true;  // the bits of the reply say it
+  Seven degrees{};
+  for (std::size_t i = 0; i < options_.facts.axes; ++i) degrees[i] = move->joints[i] * wire::kDegrees;
+  if (move->kind == UxMove::Kind::joint && !within_limits(degrees)) {
     raise_error(23);
-    return true;
-  }
-  if (moves_.size() >= kMostMoves) {
+  } else if (queued() >= kMostQueued) {
     warning_ = kFullWarning;
+  } else if (plays()) {
+    return play(*move);
+  } else {
+    const double speed = move->speed * wire::kDegrees, acceleration = move->acceleration * wire::kDegrees;
+    if (mode_ == Mode::online_joint) moves_.clear();  // the newest target replaces the others
+    moves_.push_back({degrees, speed > 0.01 ? std::min(speed, 180.0) : kSpeed,
+                      acceleration > 0.1 ? std::min(acceleration, 1145.0) : kAcceleration});
+  }
+  return true;
+}
+
+/// Where the TCP only turns, the speed of a line counts as degrees/s. On a circle the TCP turns evenly, and
+/// is turned as at the second point when it ends.
+bool Machine::play(const UxMove& move) {
+  constexpr double kMostSpeed = 1000, kMostAcceleration = 50'000, kNoWay = 1e-3;  // mm, s
+  const auto between = [](double given, double least, double otherwise, double most) {
+    return given > least ? std::min(given, most) : otherwise;
+  };
+  forward::PlayedMove out;
+  out.blend = std::clamp(move.radius, 0.0, 1000.0) / 1000;
+  if (move.kind == UxMove::Kind::joint) {
+    std::copy_n(move.joints.begin(), out.goal.size(), out.goal.begin());
+    out.speed = between(move.speed, 1e-4, kSpeed / wire::kDegrees, std::numbers::pi);
+    out.acceleration = between(move.acceleration, 1e-3, kAcceleration / wire::kDegrees, 20);
+    Seven end{};
+    for (std::size_t i = 0; i < out.goal.size(); ++i) end[i] = out.goal[i] * wire::kDegrees;
+    last_pose_ = pose_of(end);
+    return player_.take(out);
+  }
+  const double speed = between(move.speed, 1e-3, 100, kMostSpeed);
+  const double acceleration = between(move.acceleration, 1e-3, 2000, kMostAcceleration);
+  out.kind = hardware::ForwardMove::Kind::line;
+  out.end = pose_from(move.pose);
+  out.speed = speed / 1000;
+  out.acceleration = acceleration / 1000;
+  const Pose begin = pose_from(player_.waiting() > 0 ? last_pose_ : pose_of(command_));
+  last_pose_ = move.pose;
+  if (move.kind == UxMove::Kind::line) {
+    if (1000 * norm(out.end->position - begin.position) < kNoWay) out.turn = speed / wire::kDegrees;
+    return player_.take(out);
+  }
+  const Vec3 via = pose_from(move.via).position;
+  const auto circle = wire::Circle::through(begin.position, via, out.end->position);
+  if (!circle) {
+    raise_error(32);  // three points that make no circle
     return true;
   }
-  const std::size_t at = home ? 0 : kWireJoints;
-  const double speed = (*values)[at] * wire::kDegrees, acceleration = (*values)[at + 1] * wire::kDegrees;
-  if (mode_ == Mode::online_joint) moves_.clear();  // the newest target replaces the others
-  moves_.push_back({*joints, speed > 0.01 ? std::min(speed, 180.0) : kSpeed,
-                    acceleration > 0.1 ? std::min(acceleration, 1145.0) : kAcceleration});
-  return true;
+  out.kind = hardware::ForwardMove::Kind::arc;
+  const double angle = std::clamp(move.percent, 0.1, 99.9) / 100 * 2 * std::numbers::pi;
+  out.end->position = circle->point(angle);
+  out.via_point = circle->point(angle / 2);
+  last_pose_ = pose_values(*out.end);
+  return player_.take(out);
 }
 
 bool Machine::take_velocity(const UxRequest& request) {
@@ -284,7 +336,10 @@ bool Machine::take_values(const UxRequest& request) {
   };
   switch (request.reg) {
     case Register::tcp_offset:
-      return keep(tcp_offset_);
+      if (refuse_tool) return true;
+      if (!keep(tcp_offset_)) return false;
+      player_.set_tool(pose_from(tcp_offset_));
+      return true;
     case Register::world_offset:
       return keep(world_offset_);
     case Register::tcp_load:

@@ -5,6 +5,7 @@
 #include <array>
 
 #include "drivers/wire/six_axes.hpp"
+#include "drivers/xarm/moves.hpp"
 #include "drivers/xarm/ux_port.hpp"
 #include "polyarm/realtime/periodic.hpp"
 
@@ -43,6 +44,11 @@ class Setup {
     const Version version = parse_version(answer->data);
     o_.say(fmt::format("  found: an arm with {} axes (type {}), firmware {}", version.axes, version.type,
                        version.firmware()));
+    const UxMoveForms forms = forms_of(version);
+    o_.say(version.axes != 6 ? "  forward mode: no, it is for arms with six axes"
+           : forms.joint_radius
+               ? "  forward mode: yes"
+               : "  forward mode: yes, but joint moves stop at corners; update the firmware to 1.5.20");
     if (std::pair(version.major, version.minor) < std::pair(kLeastMajor, kLeastMinor))
       fine_ = wrong(Cause::old_firmware, 0, version.firmware());
     const auto codes = port.ask(Register::get_error, {}, o_.timeout);

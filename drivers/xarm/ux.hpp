@@ -45,6 +45,7 @@ enum class Register : std::uint8_t {
   move_joint_blend = 24,
   move_home = 25,
   sleep = 26,
+  move_circle = 27,
   servo_joint = 29,
   servo_line = 30,
   tcp_jerk = 31,

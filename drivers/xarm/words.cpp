@@ -2,9 +2,12 @@
 
 #include <fmt/format.h>
 
+#include <cstdlib>
 #include <iterator>
 
+#include "drivers/watchdog/link.hpp"
 #include "drivers/wire/words.hpp"
+#include "drivers/xarm/watchdog.hpp"
 
 namespace polyarm::xarm {
 
@@ -44,8 +47,14 @@ const char* name(Cause cause) {
                                     "moves",
                                     "too-fast",
                                     "loop-silent",
-                                    "jump"};
-  static_assert(std::size(kNames) == static_cast<std::size_t>(Cause::jump) + 1);
+                                    "jump",
+                                    "joint-commands",
+                                    "moves-refused",
+                                    "off-target",
+                                    "tool-differs",
+                                    "halt-unconfirmed",
+                                    "watchdog"};
+  static_assert(std::size(kNames) == static_cast<std::size_t>(Cause::watchdog) + 1);
   return kNames[static_cast<std::size_t>(cause)];
 }
 
@@ -138,7 +147,10 @@ std::string state_sentence(Cause cause, int detail, const std::string& where) {
              "emergency "
              "stops";
     case Cause::mode_refused:
-      return where + " does not take servo mode: end other programs that use it, and look at UFACTORY Studio";
+      return where +
+             fmt::format(
+                 " does not take {} mode: end other programs that use it, and look at UFACTORY Studio",
+                 mode_words(detail));
     case Cause::state_refused:
       return where + " does not become ready for motion: look at UFACTORY Studio for the reason";
     case Cause::mode_changed:
@@ -169,6 +181,48 @@ std::string state_sentence(Cause cause, int detail, const std::string& where) {
   }
 }
 
+/// Moves that the controller interpolates.
+std::string forward_sentence(Cause cause, int detail, const std::string& where, const std::string& text) {
+  switch (cause) {
+    case Cause::joint_commands:
+      return wire::joint_commands_sentence(detail, where);
+    case Cause::moves_refused:
+      return where + " takes no move" +
+             (detail != 0 ? fmt::format(" (W{}: {})", detail, warning_words(detail)) : std::string()) +
+             ": check that firmware and `model` fit, and end other clients that command it" + kRecover;
+    case Cause::off_target:
+      return "the robot of " + where +
+             fmt::format(
+                 " is not where its move ended (joint {}): compare its angles here and in UFACTORY "
+                 "Studio, and end other clients that command it",
+                 detail + 1) +
+             kRecover;
+    case Cause::tool_differs:
+      return where +
+             fmt::format(
+                 " has its TCP {} mm away from that of the cell ({}): compare `model`, mounting and "
+                 "base offset with UFACTORY Studio",
+                 detail, text) +
+             kRecover;
+    case Cause::halt_unconfirmed:
+      return where +
+             " does not say that it stopped the robot: look at UFACTORY Studio, restart the control box if "
+             "it stays so" +
+             kRecover;
+    case Cause::watchdog: {
+      const watchdog::Names names{kWatchdogProgram,
+                                  where,
+                                  "a connection to " + where,
+                                  "the robot was stopped",
+                                  "stopped the robot of " + where,
+                                  std::atoi(text.c_str())};
+      return "the driver of " + where + ": " + sentence(static_cast<watchdog::Health>(detail), names);
+    }
+    default:
+      return {};
+  }
+}
+
 }  // namespace
 
 std::string sentence(Cause cause, int detail, const std::string& where, const std::string& text) {
@@ -176,6 +230,7 @@ std::string sentence(Cause cause, int detail, const std::string& where, const st
   if (std::string out = wire_sentence(cause, detail, where, text); !out.empty()) return out;
   if (std::string out = error_sentence(cause, detail, where); !out.empty()) return out;
   if (std::string out = state_sentence(cause, detail, where); !out.empty()) return out;
+  if (std::string out = forward_sentence(cause, detail, where, text); !out.empty()) return out;
   switch (cause) {
     case Cause::too_fast:
       return wire::too_fast_sentence(detail, where) + ", or raise `max_speed`";

@@ -31,7 +31,7 @@ enum class Cause : std::uint8_t {
   controller_error,
   error_pending,   ///< activating may not clear it; detail: code
   enable_refused,  ///< the motors do not switch on
-  mode_refused,    ///< servo mode is not taken
+  mode_refused,    ///< detail: the mode that is not taken
   state_refused,   ///< it does not become ready
   mode_changed,    ///< detail: the new mode
   paused,
@@ -43,7 +43,13 @@ enum class Cause : std::uint8_t {
   moves,            ///< something else moves the robot
   too_fast,         ///< the loop asks for more than the limits; detail: axis * 3 + LimitKind
   loop_silent,
-  jump,  ///< detail: joint
+  jump,              ///< detail: joint
+  joint_commands,    ///< forward mode, and a controller commands joints; detail: joint
+  moves_refused,     ///< detail: warning code, or 0
+  off_target,        ///< detail: joint
+  tool_differs,      ///< detail: mm between the TCP here and there; text: in which directions
+  halt_unconfirmed,  ///< it does not say that it stopped the robot and forgot its moves
+  watchdog,          ///< of forward mode; detail: watchdog::Health; text: its ms without a heartbeat
 };
 const char* name(Cause cause);
 

@@ -38,6 +38,52 @@ TEST(XarmExample, AFaultOfTheControllerEndsTheRunWithItsCause) {
                             {"stopped for a collision (C31)", "clear the space"});
 }
 
+// --- forward mode ---
+
+TEST(XarmForwardExample, PlacesByTheControllersOwnMotionAndRepeatsItself) {
+  const ExampleCopy copy("xarm_forward");
+  expect_same_run_twice(copy, "its own motion");
+}
+
+TEST(XarmForwardExample, APersonHoldsAndResumesIt) {
+  const ExampleCopy copy("xarm_forward");
+  const Finished ran = run_command({"test", copy.path()});
+  EXPECT_EQ(ran.exit_code, 0) << ran.output;
+}
+
+TEST(XarmForwardExample, UntilEndsALineInItsMiddleAndTheNextMoveBeginsThere) {
+  expect_until_ends_a_line("xarm_forward");
+}
+
+TEST(XarmForwardExample, TheSameProgramStreamsWithoutTheKey) {
+  expect_same_program_streams("xarm_forward");
+}
+
+TEST(XarmForwardExample, AFaultOfTheControllerEndsTheRunWithItsCause) {
+  expect_fault_ends_the_run("xarm_forward", {"wires: 0=0 ", "faults: error=31@2\n      wires: 0=0 "},
+                            {"stopped for a collision (C31)"});
+}
+
+TEST(XarmForwardExample, CheckNamesMovesThatTheControllerDoesNotTake) {
+  expect_check_names_moves("xarm_forward");
+}
+
+/// Two programs of the thesis, on a robot whose controller interpolates, with their parts in a simulated
+/// world.
+class XarmForwardThesis : public testing::TestWithParam<ThesisCell> {};
+INSTANTIATE_TEST_SUITE_P(Programs, XarmForwardThesis,
+                         testing::Values(ThesisCell{"pick_and_place", 3}, ThesisCell{"sorting", 4}),
+                         thesis_name);
+
+TEST_P(XarmForwardThesis, RunsUnchangedWithEveryPartInItsPlace) {
+  const ExampleCopy copy(GetParam().example);
+  edit(copy, "cell.yaml",
+       {{"polyarm: cell/1\n", "polyarm: cell/1\nrate: 250\n"},
+        {"model: universal_robots/ur3, hardware: mujoco",
+         "model: ufactory/xarm_6, hardware: xarm_fake, parameters: {motion: forward, world: mock}"}});
+  expect_all_placed(run_fast(copy), GetParam().parts);
+}
+
 TEST(XarmSetup, FindsTheControllerAndShowsItsSettings) {
   Command far(far_side({"--robot", "ufactory/xarm_7", "--firmware", "2.5.0"}));
   const Finished done = run_command(setup(far.line_with("commands at port")));
