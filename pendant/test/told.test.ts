@@ -3,7 +3,7 @@ import { beforeEach, describe, expect, it, vi } from 'vitest';
 import supervisor from '../../polyarm/control/supervisor.cpp?raw';
 
 vi.stubGlobal('navigator', { language: 'en', userAgent: '' });
-const {causeWords, kSaysAll, lineWords, noteWords, plain, problemWords} = await import('../src/i18n/told');
+const {causeWords, findingWords, forwardRobots, kSaysAll, lineWords, noteWords, ownWords, plain, problemWords, tablesLoaded} = await import('../src/i18n/told');
 const { kDeviceRows } = await import('../src/i18n/device');
 const { settings } = await import('../src/state/settings');
 const {en} = await import('../src/i18n/en');
@@ -30,6 +30,7 @@ const inBoth = (say: () => string) => ['en', 'es'].map(
 
 beforeEach(() => {
   settings.language.value = 'en';
+  forwardRobots.value = {names: [], all: false};
 });
 
 describe('what drivers tell', () => {
@@ -217,5 +218,121 @@ describe('what the cell tells', () => {
     expect(problemWords(problem)).toEqual({ text: "'arm' is not jogged", detail: '', advice: 'Press Resume, or Cancel motion' });
     settings.language.value = 'es';
     expect(problemWords(problem)).toEqual({ text: 'Hay un movimiento en pausa a medio camino', detail: '', advice: 'Pulse Reanudar o Cancelar movimiento' });
+  });
+});
+
+describe('what is said of programs and files', () => {
+  /** Without escapes, as sentences are read. */
+  const read = (literal: string) => literal.replace(/\\u([0-9a-f]{4})/g, (_, code: string) => String.fromCharCode(parseInt(code, 16))).replace(/\\(.)/g, '$1');
+  /** The arguments of a call as text, from its opening bracket on; literals that follow each other in one. */
+  function callAt(text: string, from: number): string {
+    let depth = 0;
+    let inText = false;
+    for (let i = from; i < text.length; ++i) {
+      const sign = text[i]!;
+      if (inText) {
+        if (sign === '\\') ++i;
+        else if (sign === '"') inText = false;
+      } else if (sign === '"') inText = true;
+      else if (sign === "'" && text[i + 2] === "'") i += 2;
+      else if ('({['.includes(sign)) ++depth;
+      else if (')}]'.includes(sign) && --depth === 0) return text.slice(from, i).replace(/"\s+"/g, '');
+    }
+    return '';
+  }
+  const ofLanguage = Object.entries(sources).filter(([file]) => /\/(language|program)\//.test(file));
+
+  it('has a Spanish sentence for all that the checker and the language say', async () => {
+    const {advices, sentences} = await import('../src/i18n/es/sentences');
+    const {adviceOf, sentenceOf} = await import('../src/i18n/es/match');
+    const rows = [...sentences, ...advices].map(([english]) => english).join('\n');
+    const lacks: string[] = [];
+    let seen = 0;
+    for (const [file, text] of ofLanguage)
+      for (const found of text.matchAll(/\b(?:error|warning|report|fail|refuse|bad|SyntaxError)\s*[({]/g))
+        for (const [, literal] of callAt(text, found.index + found[0].length - 1).matchAll(/"((?:[^"\\\n]|\\.)*)"/g)) {
+          // Examples of code stay as they are; so do pieces that are too short to be a sentence.
+          const piece = read(literal!).replace(/`[^`]*`?/g, '`').split('`')[0]!.trim();
+          const bare = piece.replace(/^[';, ().]+|[' (]+$/g, '');
+          if (!/[a-z]+ [a-z]+ [a-z]+/.test(bare) || /^write|^did you mean|^a[n]? [a-z]+ [a-z]+$/.test(bare)) continue;
+          ++seen;
+          if (!rows.includes(bare.replace(/ the$/, '')) && sentenceOf(`${piece} 'x'`) === null && adviceOf(piece) === null) lacks.push(`${file.replace(/.*\//, '')}: ${piece}`);
+        }
+    expect(seen).toBeGreaterThan(150);
+    expect(lacks).toEqual([]);
+  });
+
+  it('has no sentence that nothing says any more', async () => {
+    const {advices, sentences} = await import('../src/i18n/es/sentences');
+    const all = Object.values(import.meta.glob('../../polyarm/{language,program,base,operation}/*.{cpp,hpp}', {query: '?raw', import: 'default', eager: true}) as Record<string, string>)
+                    .map((text) => read(text.replace(/"\s+"/g, ''))).join('\n');
+    const stale = [...sentences, ...advices].map(([english]) => english).filter(
+        (english) => {
+          const pieces = english.split(/'?\{\d\}'?|[;:,]/).map((piece) => piece.trim()).filter((piece) => /[a-z] [a-z]/.test(piece));
+          return pieces.length > 0 && !pieces.some((piece) => all.includes(piece) || all.includes(piece.replace(/ has no meaning here$/, '')));
+        });
+    expect(stale).toEqual([]);
+  });
+
+  it('has a sentence for every code of files, and none that no file has', async () => {
+    const {files} = await import('../src/i18n/es/files');
+    const rooms = Object.entries(import.meta.glob('../../polyarm/{language,program,catalogue,clouds,collision,description,setup,xacro,yaml,ros_files,users,base,cell,data,signals,io}/*.cpp', {query: '?raw', import: 'default', eager: true}) as Record<string, string>);
+    const kCode = /(?:Problem\s*\{|\bError\(|SyntaxError\{|\b(?:error|warning)\()\s*(?:[^"();{}]{0,60}\?\s*)?"([a-z][a-z0-9]*(?:-[a-z0-9]+)*)"(?:\s*:\s*"([a-z][a-z0-9]*(?:-[a-z0-9]+)*)")?/g;
+    const codesOf = new Set(rooms.flatMap(([, text]) => [...text.matchAll(kCode)].flatMap(([, a, b]) => [a!, b!].filter(Boolean))));
+    expect(codesOf.size).toBeGreaterThan(200);
+    expect([...codesOf].filter((code) => !(`told.${code}` in en) && !(code in files))).toEqual([]);
+    const all = [...rooms.map(([, text]) => text), ...Object.values(sources)].join('\n');
+    expect(Object.keys(files).filter((code) => `told.${code}` in en || !all.includes(`"${code}"`))).toEqual([]);
+  });
+
+  it('is said in Spanish with its names and types, and with its advice', async () => {
+    settings.language.value = 'es';
+    await tablesLoaded();
+    const say = (what: string, advice = '', code = 'bad-type') => {
+      const {text, detail, advice: todo} = findingWords({code, what, advice});
+      return [text, detail, todo].filter(Boolean);
+    };
+    expect(say("there is nothing called 'Hone'; did you mean 'Home'?", 'names are data, points, tags and variables of `let`'))
+        .toEqual(['No hay nada llamado «Hone»; ¿quería decir «Home»?', 'Los nombres son datos, puntos, señales y variables de `let`']);
+    expect(say("'+' cannot take a number without unit and a length")).toEqual(['«+» no admite un número sin unidad y una longitud']);
+    expect(say("'endwhile' in line 4 closes the 'while' of line 2 while the 'if' of line 3 is still open"))
+        .toEqual(['«endwhile» en la línea 4 cierra el «while» de la línea 2 mientras el «if» de la línea 3 sigue abierto']);
+    expect(say("'z' of offset() is a length, here is a number without unit", 'a length needs a unit: write 80mm'))
+        .toEqual(['«z» de offset() es una longitud; aquí está un número sin unidad', 'Una longitud necesita una unidad: escriba 80mm']);
+    expect(say("the link's own words", 'do as you like', 'yaml-syntax')).toEqual(['El YAML no se puede leer', "the link's own words", 'do as you like']);
+    expect(say('the cell cannot be opened by this user', '', 'never-heard-of')[0], 'a row is not for another sentence').toBe('the cell cannot be opened by this user');
+    expect(ownWords("'/' by zero")).toBe('«/» entre cero');
+  });
+
+  it('advises what can be done in the file, and nothing of a cell that runs', () => {
+    const guard = {code: 'guard', what: 'own', advice: 'move the points', facts: {robot: 'arm', a: 'arm/tool', b: 'fixture wall', distance_m: 0.001, clearance_m: 0.005, doing: 'check'}};
+    expect(findingWords(guard)).toEqual({text: 'arm would be stopped before a contact: arm/tool and wall, 1.0 mm at the nearest, 5.0 mm are kept', detail: '', advice: 'move the points'});
+  });
+});
+
+describe('a robot whose own controller interpolates', () => {
+  it('is never advised to be jogged here', () => {
+    const hit = {code: 'contact', what: 'own', facts: {a: 'arm/tool', b: 'fixture table', depth_m: 0.001, doing: 'program'}};
+    expect(problemWords(hit).advice).toMatch(/^Jog away/);
+    forwardRobots.value = {names: ['arm'], all: false};
+    expect(inBoth(() => problemWords(hit).advice)).toEqual(
+        [en['do.contact.forward'], es['do.contact.forward']]);
+    expect(problemWords({...hit, facts: {...hit.facts, a: 'left/tool'}}).advice).toBe(es['do.contact']);
+    forwardRobots.value = {names: ['arm'], all: true};
+    for (const code of ['contact', 'in-contact', 'collision-torque', 'forward-mode'])
+      expect(inBoth(() => problemWords({code, what: 'own'}).advice).join(' '), code).not.toMatch(/Jog away slowly|modo manual|to points/);
+  });
+});
+
+describe('guards', () => {
+  it('have a sentence of their own for each reason of a stop', () => {
+    const stop = sources['../../polyarm/operation/guards.cpp']!;
+    for (const code of ['guard-workspace', 'guard-crowded', 'guard-deadlock']) expect(stop).toContain(`"${code}"`);
+    const crowded = {code: 'guard-crowded', what: 'own', facts: {robot: 'arm'}};
+    expect(inBoth(() => problemWords(crowded).text)).toEqual([
+      'arm stands: more bodies are near its path than a guard can measure in time',
+      'arm está parado: hay más cuerpos cerca de su camino de los que una protección puede medir a tiempo'
+    ]);
+    expect(inBoth(() => problemWords({code: 'guard-workspace', what: 'own', facts: {robot: 'arm'}}).text)[1]).toBe('arm paró antes de salir de su zona de trabajo');
   });
 });

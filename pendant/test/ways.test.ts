@@ -184,7 +184,7 @@ describe('what a person can do', () => {
   });
 
   it('says in one short line why a robot in forward mode is not jogged', () => {
-    expect(blockedWords(why('forward-mode'))).toBe('Its own controller interpolates: this page moves the robot only by programs.');
+    expect(blockedWords(why('forward-mode'))).toBe('Its own controller interpolates: jog it there, or move it by a program.');
   });
 
   it('does not step twice: while a pause comes, no step can be asked for', () => {

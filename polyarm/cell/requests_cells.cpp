@@ -104,8 +104,8 @@ std::string shown(const std::string& file, const fs::path& folder) {
 std::vector<Finding> findings_in(const std::vector<Problem>& problems, const fs::path& folder) {
   std::vector<Finding> out;
   for (const Problem& p : problems)
-    out.push_back({p.code, static_cast<FindingSeverity>(p.severity), shown(p.where.file, folder), p.where.line,
-                   p.where.column, p.what, p.advice});
+    out.push_back({p.code, static_cast<FindingSeverity>(p.severity), shown(p.where.file, folder),
+                   p.where.line, p.where.column, p.what, p.advice, protocol::facts_of(p)});
   return out;
 }
 

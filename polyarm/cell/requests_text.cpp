@@ -39,8 +39,8 @@ using program::Statement;
 std::vector<Finding> findings_of(const Problems& problems) {
   std::vector<Finding> out;
   for (const Problem& p : problems.list())
-    out.push_back({p.code, static_cast<FindingSeverity>(p.severity), p.where.file, p.where.line, p.where.column,
-                   p.what, p.advice});
+    out.push_back({p.code, static_cast<FindingSeverity>(p.severity), p.where.file, p.where.line,
+                   p.where.column, p.what, p.advice, protocol::facts_of(p)});
   return out;
 }
 

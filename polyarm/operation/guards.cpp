@@ -463,19 +463,35 @@ bool Guards::deadlocked(std::size_t robot) const {
   return false;
 }
 
+namespace {
+bool is_of_pair(std::string_view code) {
+  return code == "guard" || code == "guard-deadlock";
+}
+
+const char* advice_for(std::string_view code) {
+  if (code == "guard-workspace")
+    return "change the profile or 'workspace' in the cell file, or move the points";
+  if (code == "guard-crowded")
+    return "jog the robot out of there, or go another way; fewer bodies, or larger ones in place of many "
+           "small ones, "
+           "take less time to measure";
+  return "clear the way and resume, or move the points or the obstacle";
+}
+}  // namespace
+
 Problem Guards::problem_of(std::size_t r, const char* code, const std::string& text) const {
   const moves::RobotMotion* const motion = cell_.motions.motion(r);
   const Of& of = work_->robots[r];
-  Problem problem{
-      code,
-      motion && of.goal != 0 && !of.by_points ? cell_.programs.place_of(*motion, motion->move_under_way())
-                                              : Location{},
-      text,
-      of.crossing.empty() ? "clear the way and resume, or move the points or the obstacle"
-                          : "change the profile or 'workspace' in the cell file, or move the points",
-      Severity::error,
-      {{"robot", cell_.setup.robots[r]->entry.name}}};
-  if (of.ahead_of.pair >= 0) {
+  Problem problem{code,
+                  motion && of.goal != 0 && !of.by_points
+                      ? cell_.programs.place_of(*motion, motion->move_under_way())
+                      : Location{},
+                  text,
+                  advice_for(code),
+                  Severity::error,
+                  {{"robot", cell_.setup.robots[r]->entry.name}}};
+  // The values of the nearest pair belong to "guard" and "guard-deadlock": other stops have no pair.
+  if (of.ahead_of.pair >= 0 && is_of_pair(code)) {
     const GuardPair& pair = work_->bodies->pairs()[static_cast<std::size_t>(of.ahead_of.pair)];
     problem.facts.push_back({"a", work_->bodies->name(pair.a)});
     problem.facts.push_back({"b", work_->bodies->name(pair.b)});
@@ -525,6 +541,7 @@ void Guards::note_stop(std::size_t r) {
       r, "guard", cell_.setup.robots[r]->entry.name + " would be stopped before a contact: " + text_of(r));
   problem.advice = "move the points or the obstacle, or let the move go around it: `around true`";
   problem.facts.push_back({"at_s", seconds(cell_.machine.now())});
+  problem.facts.push_back({"doing", "check"});
   const auto is_same = [&](const Problem& other) {
     return other.where.text() == problem.where.text() && other.facts[1].value == problem.facts[1].value &&
            other.facts[2].value == problem.facts[2].value;
@@ -547,12 +564,13 @@ void Guards::judge(std::size_t r) {
   const Nanoseconds stands = now - of.stands_since;
   const std::string& name = cell_.setup.robots[r]->entry.name;
   if (!of.crossing.empty())
-    return stop_before(r, "guard", name + " stopped before it leaves the workspace: " + of.crossing);
+    return stop_before(r, "guard-workspace",
+                       name + " stopped before it leaves the workspace: " + of.crossing);
   if (of.by_points) return stop_before(r, "guard", name + " stopped before a contact: " + text_of(r));
   if (of.ahead_of.pair < 0) {  // more is near than one tick can measure
     const std::string text = name + " stands: more bodies are near its path than a guard can measure in a tick";
     if (stands >= kForThings && !std::exchange(of.reported, true)) cell_.observer.on_note(text);
-    if (stands >= kForRobots) stop_before(r, "guard", text);
+    if (stands >= kForRobots) stop_before(r, "guard-crowded", text);
     return;
   }
   const GuardPair& pair = work_->bodies->pairs()[static_cast<std::size_t>(of.ahead_of.pair)];

@@ -62,7 +62,7 @@ class Guards {
   std::optional<double> clearance_at(std::size_t robot, std::span<const double> q) const;
   /// In a cell whose contacts are listed instead of stopping it (CellOptions::contact_errors): where the
   /// guards would have stopped a robot, once for each pair in a line; errors "guard" {robot, a, b,
-  /// distance_m, clearance_m, at_s}.
+  /// distance_m, clearance_m, at_s, doing}.
   const std::vector<Problem>& would_stop() const;
   /// Exact distances of convex pieces that were computed so far.
   std::uint64_t measured() const;

@@ -111,7 +111,8 @@ std::optional<Problem> Jogging::why_not(std::size_t i) const {
   if (motions_.forward_moves(i))
     return problem_of(name, "forward-mode",
                       "its own controller interpolates (`motion: forward`) and takes only moves",
-                      "move it to points, or by small relative moves; or set `motion: stream` at the robot");
+                      "jog it at the pendant of its own controller, or move it with a program, such as "
+                      "`moveto offset(here(), z = 50mm)`; or set `motion: stream` at the robot");
   const control::Snapshot& snapshot = machine_.snapshot();
   if (snapshot.state == control::RunState::fault)
     return problem_of(name, "fault", "the cell is in a fault", "polyarm control recover",

@@ -28,11 +28,14 @@ FactValues fact_values(const polyarm::Facts& facts) {
   return out;
 }
 
+std::optional<FactValues> facts_of(const Problem& problem) {
+  if (problem.facts.empty()) return std::nullopt;
+  return fact_values(problem.facts);
+}
+
 ProblemFacts problem_facts(const Problem& problem) {
-  ProblemFacts out{
-      problem.code, clipped(problem.what), clipped(problem.advice), clipped(problem.where.text()), {}};
-  if (!problem.facts.empty()) out.facts = fact_values(problem.facts);
-  return out;
+  return {problem.code, clipped(problem.what), clipped(problem.advice), clipped(problem.where.text()),
+          facts_of(problem)};
 }
 
 }  // namespace polyarm::protocol

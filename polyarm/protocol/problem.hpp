@@ -21,6 +21,8 @@ struct ProblemFacts {
 
 /// Texts are cut to bounds::kErrorTextBytes; NaN and infinite numbers are left out.
 FactValues fact_values(const polyarm::Facts& facts);
+/// Empty if there are none, so that messages leave them out.
+std::optional<FactValues> facts_of(const Problem& problem);
 /// Without `facts` if the problem has none. Texts are cut as above.
 ProblemFacts problem_facts(const Problem& problem);
 

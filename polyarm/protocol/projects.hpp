@@ -4,6 +4,7 @@
 #include "polyarm/protocol/controllers.hpp"
 #include "polyarm/protocol/facts.hpp"
 #include "polyarm/protocol/motion.hpp"
+#include "polyarm/protocol/problem.hpp"
 #include "polyarm/protocol/programs.hpp"
 
 namespace polyarm::protocol {
@@ -172,7 +173,8 @@ struct Finding {
   std::string file;
   int line = 0, column = 0;
   std::string what, advice;
-  POLYARM_MEMBERS(Finding, code, severity, file, line, column, what, advice)
+  std::optional<FactValues> facts;  ///< the variable parts of `what`
+  POLYARM_MEMBERS(Finding, code, severity, file, line, column, what, advice, facts)
 };
 
 struct ProgramCheck {

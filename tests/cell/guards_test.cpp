@@ -416,7 +416,7 @@ TEST_F(GuardsTest, AZoneOfBodiesHoldsForTheBallAndNotOnlyForItsMiddle) {
   const std::string zone = "workspace:\n  roof: {plane: [0, 0, 0.3], normal: [0, 0, -1], of: bodies}\n";
   build("movej joints(0rad, 0rad, 0.29rad)\n", zone);
   cell->run(3);
-  EXPECT_EQ(failure(), "guard");
+  EXPECT_EQ(failure(), "guard-workspace");
   EXPECT_LE(z(), 0.3 - kBall + 1e-3);
   EXPECT_NE(cell->cell().failure()->problem.what.find("zone roof"), std::string::npos);
 }

@@ -2,6 +2,7 @@
  * Translates what the cell reports in English for terminals into the page's language, by code and values and
  * without advice to type commands. If a code has no text, the cell's own words are shown.
  */
+import { effect, signal } from '@preact/signals';
 import {type Key, language, number, t, word} from '.';
 import {jointText} from '../ui/format';
 import { deviceWords } from './device';
@@ -40,6 +41,12 @@ export const kSaysAll = new Set([
 const kOfPage = new Set(['not-connected', 'no-answer']);
 
 const known = (key: string): key is Key => key in en;
+
+/** The tables for sentences of programs and files. Only Spanish has them, and loads them when it is chosen. */
+const tables = signal<typeof import('./es/match')|null>(null);
+export const tablesLoaded = () => (language.value === 'es' ? import('./es/match').then((loaded) => void (tables.value = loaded)) : Promise.resolve());
+effect(() => void tablesLoaded().catch(() => undefined));
+const translated = () => (language.value === 'es' ? tables.value : null);
 
 // --- values
 
@@ -105,6 +112,16 @@ function sentence(code: string, facts: Facts): string|null {
   return null;
 }
 
+/** The robots whose own controllers interpolate, and whether these are all robots: nobody jogs them here. */
+export const forwardRobots = signal<{names: readonly string[]; all: boolean}>({names: [], all: false});
+
+/** True if the problem is one of such a robot. */
+function isForward(facts: Facts): boolean {
+  const {names, all} = forwardRobots.value;
+  const of = [facts.robot, facts.a, facts.b, facts.joint].filter((each): each is string => typeof each === 'string');
+  return all || names.some((name) => of.some((each) => each === name || each.startsWith(`${name}/`)));
+}
+
 /**
  * The text of a problem. If the cell sent the values, it is the sentence of the code with the values.
  * Otherwise English shows the cell's own sentence; other languages show the sentence of the code, and the
@@ -112,18 +129,37 @@ function sentence(code: string, facts: Facts): string|null {
  */
 export function problemWords({code, what, advice, facts = {}}: Problem): Told {
   const own = kOfPage.has(code) ? '' : plain(what);
-  const remedy = [`do.${code}.${facts.doing}`, `do.${code}`].find(known);
-  const todo = remedy ? t(remedy) : plain(advice ?? '');
+  const byOthers = isForward(facts) ? [`do.${code}.forward`] : [];
+  const remedy = [...byOthers, `do.${code}.${facts.doing}`, `do.${code}`].find(known);
+  const todo = remedy ? t(remedy) : adviceWords(plain(advice ?? ''));
   const whole = sentence(code, facts);
   if (whole !== null) {
     const reason = typeof facts.reason === 'string' ? deviceWords(plain(facts.reason)) : '';
     return {text: whole, detail: whole.includes(reason) ? '' : reason, advice: todo};
   }
-  const said = known(`told.${code}`) ? t(`told.${code}` as Key) : own || t('told.refused');
+  const row = translated()?.sentenceOf(own);
+  if (row) return {text: row, detail: '', advice: todo};
+  const said = codeWords(code) ?? (own || t('told.refused'));
   const first = language.value === 'en' && own ? own : said;
   const detail = code === 'component-failed' ? deviceWords(own) : own;
   return {text: first, detail: first === own || kSaysAll.has(code) ? '' : detail, advice: todo};
 }
+
+/**
+ * A finding of a check. Its advice is for the file, not for a cell that runs: the cell's own advice.
+ */
+export const findingWords = (found: Problem): Told =>
+    ({...problemWords(found), advice: adviceWords(plain(found.advice ?? ''))});
+
+/** The sentence of the code; undefined if there is none. */
+const codeWords = (code: string): string|undefined =>
+    known(`told.${code}`) ? t(`told.${code}` as Key) : translated()?.fileCode(code);
+
+/** Advice of the cell, which has no code. */
+const adviceWords = (own: string): string => (own && translated()?.adviceOf(own)) || own;
+
+/** A sentence of the cell without a code. */
+export const ownWords = (own: string): string => translated()?.sentenceOf(plain(own)) ?? plain(own);
 
 /** The problem in one line, with the cell's own words in brackets. */
 export function problemLine(problem: Problem): string {
@@ -137,8 +173,9 @@ export function lineWords(line: {text: string; code?: string; facts?: Facts}): s
   if (!line.code || language.value === 'en') return own;
   const whole = sentence(line.code, line.facts ?? {});
   if (whole !== null) return whole;
-  if (!known(`told.${line.code}`)) return own;
-  const said = t(`told.${line.code}` as Key);
+  const said = translated()?.sentenceOf(own) ?? codeWords(line.code);
+  if (said === undefined) return own;
+  if (said === translated()?.sentenceOf(own)) return said;
   return kSaysAll.has(line.code) ? said : `${said} (${own})`;
 }
 

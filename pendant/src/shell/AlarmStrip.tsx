@@ -1,7 +1,7 @@
 /** A strip for problems that nobody has acknowledged. After a contact it shows the steps of recovery. */
 import { effect } from '@preact/signals';
 import { type Key, t } from '../i18n';
-import { problemWords } from '../i18n/told';
+import { forwardRobots, problemWords } from '../i18n/told';
 import { alarms, cell, connected, markSeen, mayMove, pausing, status, ways } from '../state/cell';
 import { back, discard, recover, resume } from '../state/actions';
 import { canBe, waysOf } from '../state/ways';
@@ -14,7 +14,7 @@ import { contactWords, kContactCodes } from './contact';
 import { go, pageId } from './route';
 
 /** Alarms of a hold that are over when the cell runs again. */
-const kOver = new Set([...kContactCodes, 'guard', 'guard-deadlock', 'program-hold', 'held']);
+const kOver = new Set([...kContactCodes, 'guard', 'guard-deadlock', 'guard-workspace', 'guard-crowded', 'program-hold', 'held']);
 
 /**
  * An operator who brings the cell back after a contact, a hold or a fault has seen its alarm. These are the previous
@@ -84,6 +84,8 @@ function WayBack() {
   const { next, nextBlocked, discard: forget, back: backwards } = waysOf({ status: now, mayMove: true, pausing: pausing.value });
   const held = now.state === 'held';
   const may = mayMove.value;
+  /** Nobody jogs any of its robots here. */
+  const forward = forwardRobots.value.all;
   const { text, felt } = contactWords(now.contacts, alarms.value);
   const steps: Key[] = [
     now.state === 'fault'
@@ -93,7 +95,7 @@ function WayBack() {
           ? 'contact.cancel'
           : 'contact.cancelFirst' // Resume would repeat the motion into the same contact
         : 'contact.canceled',
-    now.contacts.touching ? 'contact.away' : felt ? 'contact.felt' : 'contact.clear',
+    now.contacts.touching ? (forward ? 'contact.awayForward' : 'contact.away') : felt ? (forward ? 'contact.feltForward' : 'contact.felt') : 'contact.clear',
     'contact.resume',
   ];
   /** The index of the present step. A phone shows only this step. */
@@ -115,7 +117,7 @@ function WayBack() {
         {next === 'recover' && <Button label={t('bar.recover')} icon="undo" tone="warn" disabled={!may || !canBe(nextBlocked)} onClick={() => void recover()} />}
         {forget !== null && canBe(forget) && <Button label={t('bar.discard')} tone={now.motionLeft && !now.contacts.touching ? 'primary' : undefined} disabled={!may} onClick={() => void discard()} />}
         {held && canBe(backwards) && <Button label={t('contact.back')} icon="undo" disabled={!may} onClick={() => void back()} />}
-        {held && pageId.value !== 'move' && <Button label={t('contact.jog')} icon="move" onClick={() => go('move')} />}
+        {held && !forward && pageId.value !== 'move' && <Button label={t('contact.jog')} icon="move" onClick={() => go('move')} />}
         {next === 'resume' && canBe(nextBlocked) && !now.contacts.touching && <Button label={t('bar.resume')} icon="run" tone={now.motionLeft ? undefined : 'good'} disabled={!may} onClick={() => void resume()} />}
       </div>
     </section>

@@ -5,7 +5,7 @@
 import {computed, effect, signal} from '@preact/signals';
 
 import {type Key, t} from '../i18n';
-import {problemWords} from '../i18n/told';
+import {forwardRobots, problemWords} from '../i18n/told';
 
 import { Connection, type Json, type LinkState, RequestError } from '../wire/connection';
 import { type Field, Layout, parseFrame } from '../wire/frames';
@@ -238,6 +238,13 @@ async function loadProgram(): Promise<void> {
     if (isLate(error) && !program.peek()) return loadProgram();
   }
 }
+
+const kForward = computed(() => {
+  const robots = Object.entries(status.value?.cannotJog ?? {});
+  const names = robots.filter(([, why]) => why.code === 'forward-mode').map(([name]) => name);
+  return JSON.stringify({names, all: names.length > 0 && names.length === (cell.value?.robots.length ?? 0)});
+});
+effect(() => void (forwardRobots.value = JSON.parse(kForward.value)));
 
 /** The number of the newest alarm before this page connected; -1 while unknown. */
 let lastOld = -1;

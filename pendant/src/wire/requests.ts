@@ -319,6 +319,7 @@ export interface Finding {
   column: number;
   what: string;
   advice: string;
+  facts?: Record<string, string | number>;
 }
 
 export interface FunctionText {

@@ -54,6 +54,8 @@ export const codes = {
   'told.collision-torque': 'A joint felt a collision',
   'told.contact': 'Stopped after contact',
   'told.guard': 'Stopped before a contact',
+  'told.guard-workspace': 'Stopped before it leaves the workspace',
+  'told.guard-crowded': 'Stopped: too many bodies near the path',
   'told.guard-deadlock': 'Robots wait for each other',
   'told.no-guards': 'No guards against contacts',
   'told.start-in-contact': 'The start touches something',

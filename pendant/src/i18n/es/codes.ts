@@ -52,6 +52,8 @@ export const codes: Record<keyof typeof en, string> = {
   'told.collision-torque': 'Una articulación notó una colisión',
   'told.contact': 'Parado tras un contacto',
   'told.guard': 'Parado antes de un contacto',
+  'told.guard-workspace': 'Parado antes de salir de la zona de trabajo',
+  'told.guard-crowded': 'Parado: demasiados cuerpos cerca del camino',
   'told.guard-deadlock': 'Los robots se esperan uno a otro',
   'told.no-guards': 'Sin protección contra contactos',
   'told.start-in-contact': 'El inicio toca algo',

@@ -1,22 +1,15 @@
 /** Shows the name of the cell and its system, and resets the cell. */
 import { useState } from 'preact/hooks';
 import { number, t } from '../../i18n';
-import { plain } from '../../i18n/told';
+import { findingWords } from '../../i18n/told';
 import { attempt, cell, complain, mayAdminister, request, status } from '../../state/cell';
 import { Button, Card, Empty, Loading } from '../../ui/controls';
 import { Icon } from '../../ui/Icon';
+import type { Finding } from '../../wire/requests';
 import type { RobotInfo } from '../../wire/types';
 import { AddMesh } from './AddMesh';
 import { Mode } from './Mode';
 import { askReset, restarting } from './restart';
-
-interface Found {
-  severity: string;
-  what: string;
-  advice: string;
-  file: string;
-  line: number;
-}
 
 /** Shown if the cell could not be built: opens another cell, or the same one again. */
 function NoCell({ onProjects }: { onProjects: () => void }) {
@@ -82,7 +75,7 @@ export function Working() {
 }
 
 function Check() {
-  const [found, setFound] = useState<Found[] | null>(null);
+  const [found, setFound] = useState<Finding[] | null>(null);
   const [busy, setBusy] = useState(false);
   const go = () => {
     setBusy(true);
@@ -101,16 +94,20 @@ function Check() {
             </p>
           )}
           <ul>
-            {found.map((each, i) => (
-              <li key={i} class={each.severity}>
-                <small>
-                  {each.file}
-                  {each.line ? `:${each.line}` : ''}
-                </small>
-                <strong>{each.what}</strong>
-                {each.advice && <span>{plain(each.advice)}</span>}
-              </li>
-            ))}
+            {found.map((each, i) => {
+              const { text, detail, advice } = findingWords(each);
+              return (
+                <li key={i} class={each.severity}>
+                  <small>
+                    {each.file}
+                    {each.line ? `:${each.line}` : ''}
+                  </small>
+                  <strong>{text}</strong>
+                  {detail && <span>{detail}</span>}
+                  {advice && <span>{advice}</span>}
+                </li>
+              );
+            })}
           </ul>
         </div>
       )}

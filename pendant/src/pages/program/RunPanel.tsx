@@ -5,7 +5,7 @@
 import type { Args, RequestName } from '../../state/cell';
 import { useEffect } from 'preact/hooks';
 import { number, t, word } from '../../i18n';
-import { plain } from '../../i18n/told';
+import { findingWords, ownWords } from '../../i18n/told';
 import { attempt, complain, connected, mayMove, pausing, program, request, status, ways } from '../../state/cell';
 import { step } from '../../state/actions';
 import { canBe } from '../../state/ways';
@@ -219,7 +219,9 @@ function Problems() {
       {now.kind === 'done' && <DryAnswer stale={stale} />}
       {list.length === 0 && now.kind !== 'runs' && <Checked />}
       <ul class="program-problems">
-        {[...list].sort((a, b) => a.line - b.line).map((each, i) => (
+        {[...list].sort((a, b) => a.line - b.line).map((each, i) => {
+          const { text, detail, advice } = findingWords(each);
+          return (
           <li key={i}>
             <button type="button" class={each.severity} onClick={() => void goTo(each.line, each.file)}>
               <Icon name="alarm" size={20} />
@@ -227,12 +229,14 @@ function Problems() {
                 <small>
                   {placeText(each)} · {t(each.severity === 'error' ? 'program.error' : 'program.warning')}
                 </small>
-                <strong>{each.what}</strong>
-                {each.advice && <span>{plain(each.advice)}</span>}
+                <strong>{text}</strong>
+                {detail && <span>{detail}</span>}
+                {advice && <span>{advice}</span>}
               </span>
             </button>
           </li>
-        ))}
+          );
+        })}
       </ul>
     </>
   );
@@ -333,7 +337,7 @@ function Tasks() {
               {t('program.waitsFor')} {word('wait', task.waits_for)}{task.text && `: ${task.text}`}
             </p>
           )}
-          {task.problem && <p class="program-failed">{plain(task.problem)}</p>}
+          {task.problem && <p class="program-failed">{ownWords(task.problem)}</p>}
           {(task.tool || task.frame || task.robot) && (
             <p class="note">{[task.robot, task.tool, task.frame].filter(Boolean).join(' · ')}</p>
           )}

@@ -4,6 +4,7 @@
  */
 import { useEffect, useRef, useState } from 'preact/hooks';
 import { t } from '../../i18n';
+import { problemLine } from '../../i18n/told';
 import { mayMove } from '../../state/cell';
 import { names } from '../../state/points';
 import { open } from '../../ui/ask';
@@ -82,7 +83,7 @@ function Step({ step, kindOf, live, chosen }: { step: Statement; kindOf: KindOf;
           {step.comment && step.word !== '#' && <small>{step.comment}</small>}
           {wrong.map((each) => (
             <small key={each.what} class={each.severity}>
-              {each.what}
+              {problemLine(each)}
             </small>
           ))}
         </span>

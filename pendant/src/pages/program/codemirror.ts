@@ -13,6 +13,7 @@ import {
 } from '@codemirror/view';
 import type { KnownName } from '../../wire/requests';
 import { type LineMap, lineMap } from './breakpoints';
+import { findingWords } from '../../i18n/told';
 import type { Problem } from './documents';
 import { colours, indents, mode } from './mode';
 import type { Language } from './knownWords';
@@ -181,6 +182,12 @@ const look = EditorView.theme({
 /** Marks a change from outside the editor, which is not an edit of the user. */
 const fromOutside = StateEffect.define<null>();
 
+/** A finding in the lines of a tooltip. */
+function lintWords(each: Problem): string {
+  const { text, detail, advice } = findingWords(each);
+  return [text, detail, advice].filter(Boolean).join('\n');
+}
+
 export class ProgramEditor {
   readonly view: EditorView;
   private readonly readOnly = new Compartment();
@@ -233,6 +240,7 @@ export class ProgramEditor {
     });
   }
 
+  /** Call it again when the language or its tables change. */
   showProblems(problems: Problem[]): void {
     const doc = this.view.state.doc;
     const found = problems
@@ -242,7 +250,7 @@ export class ProgramEditor {
         const from = Math.min(line.to, line.from + Math.max(0, each.column - 1));
         const word = /^[\w"`.]+/.exec(line.text.slice(from - line.from))?.[0].length ?? 0;
         const to = each.column > 0 && word > 0 ? from + word : line.to;
-        return { from: Math.min(from, to), to, severity: each.severity, message: [each.what, each.advice].filter(Boolean).join('\n') };
+        return { from: Math.min(from, to), to, severity: each.severity, message: lintWords(each) };
       });
     this.view.dispatch(setDiagnostics(this.view.state, found));
   }

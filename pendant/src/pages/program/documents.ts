@@ -2,6 +2,7 @@
 import type { Args } from '../../state/cell';
 import { computed, effect, signal, untracked } from '@preact/signals';
 import { t } from '../../i18n';
+import type { Facts } from '../../i18n/told';
 import { attempt, complain, connected, program, request, status } from '../../state/cell';
 import { kept, settings } from '../../state/settings';
 import { toast } from '../../state/toasts';
@@ -31,6 +32,7 @@ export interface Problem {
   file: string;
   line: number;
   column: number;
+  facts?: Facts;
 }
 export const files = signal<FileInfo[]>([]);
 export const mainFile = signal<string | null>(null);

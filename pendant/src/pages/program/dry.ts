@@ -2,6 +2,7 @@
 import { signal } from '@preact/signals';
 import { complain, stream } from '../../state/cell';
 import { type DryPath, dryPaths, problemsIn3d } from '../../state/preview';
+import { problemLine } from '../../i18n/told';
 import type { Problem } from './documents';
 
 export interface DryResult {
@@ -30,7 +31,7 @@ export async function dryRun(file: string, text: string): Promise<void> {
     const result = (await asked.done) as unknown as DryResult;
     dry.value = { kind: 'done', file, text, result };
     dryPaths.value = result.paths ?? [];
-    problemsIn3d.value = result.problems.map((each) => ({ line: each.line, text: each.what, robot: '', at: endOf(result, each.line) }));
+    problemsIn3d.value = result.problems.map((each) => ({ line: each.line, text: problemLine(each), robot: '', at: endOf(result, each.line) }));
   } catch (error) {
     dry.value = { kind: 'none' };
     complain(error);
