@@ -18,10 +18,10 @@ export const language = computed<'en' | 'es'>(() => {
   return navigator.language?.toLowerCase().startsWith('es') ? 'es' : 'en';
 });
 
-/** The text of `key`, with {names} filled in. */
+/** The text of `key`, with {names} filled in. `{count:step|steps}` is the first word if `count` is 1, else the second. */
 export function t(key: Key, values: Record<string, string | number> = {}): string {
   const text = tables[language.value]?.[key] ?? en[key];
-  return text.replace(/\{(\w+)\}/g, (whole, name: string) => (name in values ? String(values[name]) : whole));
+  return text.replace(/\{(\w+):([^{}|]*)\|([^{}|]*)\}/g, (_, name: string, one: string, more: string) => (Number(values[name]) === 1 ? one : more)).replace(/\{(\w+)\}/g, (whole, name: string) => (name in values ? String(values[name]) : whole));
 }
 
 /** The text of a word of the cell (`state.running`), or the word itself if no table has it. */

@@ -70,6 +70,6 @@ export const move = {
   'goto.bad': 'Not a number',
   'goto.outside': 'Outside {range}',
   'move.lost': 'The motion ended: no heartbeat reached the cell in time. Press again.',
-  'move.queued': '{count} steps to go',
+  'move.queued': '{count} {count:step|steps} to go',
   'move.queueFull': 'At most {most} steps wait; this one was ignored.',
 } as const;

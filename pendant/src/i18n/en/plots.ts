@@ -13,7 +13,7 @@ export const plots = {
   'plots.recordStop': 'Stop recording',
   'plots.recording': 'Recording {file}: {time}, {size}',
   'plots.recorded': 'Recorded {file}: {time}, {size}',
-  'plots.recordLost': '{count} cycles lost: the disk is too slow',
+  'plots.recordLost': '{count} {count:cycle|cycles} lost: the disk is too slow',
   'plots.recordFailed': 'The recording has ended',
   'plots.none': 'Nothing is plotted. Choose curves.',
   'plots.ofUnit': 'Curves in {unit}',

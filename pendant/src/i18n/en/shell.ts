@@ -118,7 +118,7 @@ export const shell = {
   'question.go': 'Confirm',
 
   'alarms.label': 'Alarms',
-  'alarms.count': '{count} new alarms',
+  'alarms.count': '{count} new {count:alarm|alarms}',
   'alarms.none': 'No alarms',
   'alarms.seen': 'Mark all as seen',
   'alarms.do': 'Remedy',

@@ -60,7 +60,7 @@ export const signals = {
   'signals.links': 'Links',
   'signals.up': 'Connected',
   'signals.down': 'Lost',
-  'signals.linkFacts': '{tags} tags · {ms} ms · lost {losses} times',
+  'signals.linkFacts': '{tags} {tags:tag|tags} · {ms} ms · lost {losses} {losses:time|times}',
   'signals.lossHold': 'a loss holds the cell',
   'signals.lossGoOn': 'a loss holds nothing',
   'signals.by.state': 'measured',

@@ -123,7 +123,7 @@ export const codes: Record<keyof typeof en, string> = {
   'told.unknown-belt': 'No hay tal cinta',
   'told.no-part': 'El robot no ha tomado ninguna pieza de la cinta',
   'told.missed': 'La pieza de la cinta ya ha pasado',
-  'told.unknown-signal': 'No hay tal estado ni etiqueta',
+  'told.unknown-signal': 'No hay tal estado ni señal',
   'told.unknown-stream': 'No hay tal flujo',
   'told.base-short': 'La base terminó lejos de su destino',
   'told.no-odometry': 'La base no dice dónde está',

@@ -72,6 +72,6 @@ export const move: Record<keyof typeof en, string> = {
   'goto.bad': 'No es un número',
   'goto.outside': 'Fuera de {range}',
   'move.lost': 'El movimiento terminó: ninguna señal de vida llegó a tiempo a la celda. Pulse otra vez.',
-  'move.queued': 'faltan {count} pasos',
+  'move.queued': '{count:falta|faltan} {count} {count:paso|pasos}',
   'move.queueFull': 'Como máximo esperan {most} pasos; este no se aceptó.',
 };

@@ -15,7 +15,7 @@ export const plots: Record<keyof typeof en, string> = {
   'plots.recordStop': 'Terminar la grabación',
   'plots.recording': 'Se graba {file}: {time}, {size}',
   'plots.recorded': 'Grabado {file}: {time}, {size}',
-  'plots.recordLost': '{count} ciclos perdidos: el disco es demasiado lento',
+  'plots.recordLost': '{count} {count:ciclo perdido|ciclos perdidos}: el disco es demasiado lento',
   'plots.recordFailed': 'La grabación ha terminado',
   'plots.none': 'No se muestra nada. Elija curvas.',
   'plots.ofUnit': 'Curvas en {unit}',

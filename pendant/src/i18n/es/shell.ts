@@ -121,7 +121,7 @@ export const shell: Record<keyof typeof en, string> = {
   'question.go': 'Confirmar',
 
   'alarms.label': 'Alarmas',
-  'alarms.count': '{count} alarmas nuevas',
+  'alarms.count': '{count} {count:alarma nueva|alarmas nuevas}',
   'alarms.none': 'Sin alarmas',
   'alarms.seen': 'Marcar todas como vistas',
   'alarms.do': 'Remedio',
@@ -172,7 +172,7 @@ export const shell: Record<keyof typeof en, string> = {
   'alarms.more': '+{count} más',
   'alarms.details': 'Detalles',
   'alarms.ok': 'Marcar como vista',
-  'forces.count': '{count} forzadas',
+  'forces.count': '{count} {count:forzada|forzadas}',
   'forces.why': 'Valores forzados: {names}. Abrir Señales.',
   'bar.speedZero': 'Sin movimiento: la velocidad es 0 %.',
   'contact.title': 'Parado tras un contacto',

@@ -62,7 +62,7 @@ export const signals: Record<keyof typeof en, string> = {
   'signals.links': 'Enlaces',
   'signals.up': 'Conectado',
   'signals.down': 'Perdido',
-  'signals.linkFacts': '{tags} etiquetas · {ms} ms · perdido {losses} veces',
+  'signals.linkFacts': '{tags} {tags:señal|señales} · {ms} ms · perdido {losses} {losses:vez|veces}',
   'signals.lossHold': 'una pérdida detiene la celda',
   'signals.lossGoOn': 'una pérdida no detiene nada',
   'signals.by.state': 'medido',

@@ -51,7 +51,7 @@ function Group({ group }: { group: PointGroup }) {
           <Icon name={open ? 'down' : 'right'} size={18} />
           <Icon name={group.kind === 'tools' ? 'target' : group.kind === 'group' ? 'layers' : 'folder'} size={16} />
           <span>{group.title}</span>
-          <small>{group.kind === 'tools' ? names.length : t(names.length === 1 ? 'points.single' : 'points.many', { count: names.length })}</small>
+          <small>{group.kind === 'tools' ? names.length : t('points.many', { count: names.length })}</small>
         </button>
       </h3>
       {open && (

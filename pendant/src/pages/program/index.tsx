@@ -133,9 +133,9 @@ function CheckChip() {
   const text = !doc.checked.value
     ? t('program.checking')
     : errors > 0
-      ? t(errors === 1 ? 'program.oneError' : 'program.errors', { count: errors })
+      ? t('program.errors', { count: errors })
       : warnings > 0
-        ? t(warnings === 1 ? 'program.oneWarning' : 'program.warnings', { count: warnings })
+        ? t('program.warnings', { count: warnings })
         : t('program.noErrors');
   const tone = !doc.checked.value ? '' : errors > 0 ? 'bad' : warnings > 0 ? 'warn' : 'good';
   return (
