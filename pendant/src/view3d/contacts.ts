@@ -15,14 +15,14 @@ export class Contacts {
   private readonly painted = new Map<THREE.Mesh, THREE.Material | THREE.Material[]>();
   private readonly look = new THREE.MeshStandardMaterial({ color: kRed, emissive: 0x5a0a0e, roughness: 0.5 });
 
-  /** `bodies`: all bodies by the names that contacts use, `arm/forearm_link` or `table`. */
-  show(touches: readonly Touch[], bodies: ReadonlyMap<string, THREE.Object3D>): void {
+  /** `body`: the body of a name that contacts use, `arm/forearm_link` or `fixture table`. */
+  show(touches: readonly Touch[], body: (name: string) => THREE.Object3D | undefined): void {
     for (const [mesh, material] of this.painted) mesh.material = material;
     this.painted.clear();
     empty(this.group);
     for (const touch of touches.slice(0, kMost)) {
-      for (const name of [touch.a, touch.b]) this.paint(bodies.get(name));
-      this.mark(touch, bodies);
+      for (const name of [touch.a, touch.b]) this.paint(body(name));
+      this.mark(touch, body);
     }
   }
 
@@ -45,8 +45,8 @@ export class Contacts {
     }
   }
 
-  private mark(touch: Touch, bodies: ReadonlyMap<string, THREE.Object3D>): void {
-    const at = touch.at ? new THREE.Vector3(...touch.at) : middle(bodies.get(touch.a) ?? bodies.get(touch.b));
+  private mark(touch: Touch, body: (name: string) => THREE.Object3D | undefined): void {
+    const at = touch.at ? new THREE.Vector3(...touch.at) : middle(body(touch.a) ?? body(touch.b));
     if (!at) return;
     const ball = new THREE.Mesh(new THREE.SphereGeometry(0.012, 16, 12), new THREE.MeshBasicMaterial({ color: kRed, depthTest: false }));
     ball.renderOrder = 6;

@@ -15,6 +15,8 @@ const kSeen = 1e-5;
 export class RobotFigure {
   readonly root = new THREE.Group();
   readonly tcp = new THREE.Group();
+  /** The tool's shapes, in the frame of their link. */
+  readonly tool = new THREE.Group();
   private readonly turned: Turned[] = [];
   private readonly jaws: { object: THREE.Object3D; slide: THREE.Vector3 }[] = [];
   private width = NaN;
@@ -53,9 +55,11 @@ export class RobotFigure {
     const tool = this.model.tool as { visuals?: Visual[]; link?: string; stroke?: number } | undefined;
     if (!tool?.visuals) return;
     const on = this.root.getObjectByName(tool.link ?? this.model.tcp.link) ?? this.root;
+    this.tool.userData.joint = 'tool';  // a body of its own, as links behind joints are
+    on.add(this.tool);
     for (const visual of tool.visuals) {
       const object = shape(visual, ready);
-      on.add(visual.slide ? new THREE.Group().add(object) : object);
+      this.tool.add(visual.slide ? new THREE.Group().add(object) : object);
       if (visual.slide) this.jaws.push({ object: object.parent!, slide: new THREE.Vector3(...visual.slide) });
     }
     this.setWidth(tool.stroke ?? 0);

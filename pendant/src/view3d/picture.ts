@@ -6,6 +6,7 @@ import type { DryPath, DryProblem, NamedPose } from '../state/preview';
 import { compose, inverse } from './chain';
 import { RobotFigure } from './figure';
 import { clearanceColor, Nearest } from './clearance';
+import { nameInPicture } from './bodies';
 import { Contacts } from './contacts';
 import { empty, label, Overlay } from './overlay';
 import { axes, dispose, disposeAll, place, shape } from './shapes';
@@ -71,6 +72,8 @@ export class CellPicture {
   private readonly frames = new THREE.Group();
   private readonly overlay = new Overlay();
   private readonly contacts = new Contacts();
+  /** The part that each robot holds. */
+  private readonly held = new Map<string, string>();
   private readonly nearest = new Nearest();
   private readonly names = new THREE.Group();
   private readonly moving = new Map<string, THREE.Object3D>();
@@ -190,8 +193,12 @@ export class CellPicture {
   setContacts(touches: readonly Touch[]): void {
     const bodies = new Map<string, THREE.Object3D>();
     for (const group of [this.things, this.zones]) for (const each of group.children) bodies.set(each.name, each);
-    for (const [robot, figure] of this.robots) figure.root.traverse((each) => each.name && bodies.set(`${robot}/${each.name}`, each));
-    this.contacts.show(touches, bodies);
+    for (const [robot, figure] of this.robots) {
+      figure.root.traverse((each) => each.name && bodies.set(`${robot}/${each.name}`, each));
+      if (figure.tool.children.length > 0) bodies.set(`${robot}/tool`, figure.tool);
+    }
+    const heldBy = (robot: string) => this.held.get(robot);
+    this.contacts.show(touches, (name) => bodies.get(nameInPicture(name, heldBy)));
     this.redraw();
   }
 
@@ -232,7 +239,9 @@ export class CellPicture {
   }
 
   setParts(parts: Record<string, PartPose>): void {
+    this.held.clear();
     for (const part of Object.values(parts)) {
+      if (part.heldBy) this.held.set(part.heldBy, part.name);
       const object = this.moving.get(part.name);
       if (!object) continue;
       place(object, part);
