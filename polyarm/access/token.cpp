@@ -8,6 +8,7 @@
 #include <unistd.h>
 
 #include <array>
+#include <cctype>
 #include <cerrno>
 #include <cstdint>
 #include <cstring>
@@ -82,6 +83,18 @@ bool same_token(std::string_view a, std::string_view b) noexcept {
     different = static_cast<unsigned char>(
         different | (static_cast<unsigned char>(a[i]) ^ static_cast<unsigned char>(b[i])));
   return different == 0;
+}
+
+std::string without_tokens(std::string text) {
+  constexpr std::string_view kKey = "token=";
+  for (std::size_t at = text.find(kKey); at != std::string::npos; at = text.find(kKey, at)) {
+    at += kKey.size();
+    const auto in_token = [](unsigned char c) { return std::isalnum(c) != 0 || c == '-' || c == '_'; };
+    std::size_t end = at;
+    while (end < text.size() && in_token(static_cast<unsigned char>(text[end]))) ++end;
+    text.replace(at, end - at, "…");
+  }
+  return text;
 }
 
 std::string kept_token(const std::filesystem::path& file) {

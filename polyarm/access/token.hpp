@@ -18,6 +18,9 @@ bool same_token(std::string_view a, std::string_view b) noexcept;
 /// computed from it.
 std::string token_for(const std::string& token, protocol::Role role);
 
+/// The text with "…" in place of each token of a link, `?token=…`. Also for JSON text.
+std::string without_tokens(std::string text);
+
 /// The token in `file`, readable only by this user; it survives a restart, so an open page stays connected. A
 /// new one is made if there is none or another user could have read it. Throws Error("no-token").
 std::string kept_token(const std::filesystem::path& file);

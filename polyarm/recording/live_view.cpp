@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "polyarm/base/file.hpp"
+#include "polyarm/base/secrets.hpp"
 #include "polyarm/description/plain_urdf.hpp"
 #include "polyarm/inside/view.hpp"
 #include "polyarm/io/worker.hpp"
@@ -126,7 +127,9 @@ class LiveView::Work : public cell::Observer {
     announced_ = announced_ || given_;
   }
 
-  void on_note(const std::string& text) override { log(cell_.now(), LogLevel::info, "cell", text); }
+  void on_note(const std::string& text) override {
+    log(cell_.now(), LogLevel::info, "cell", without_secrets(text));
+  }
   void on_line(Nanoseconds time, const std::string& task, const Location& where,
                const std::string& source) override {
     if (server_.clients() == 0) return;

@@ -2,6 +2,7 @@
 
 #include <utility>
 
+#include "polyarm/access/token.hpp"
 #include "polyarm/machine/stops.hpp"
 
 namespace polyarm::server {
@@ -12,7 +13,7 @@ void Journal::keep(double time, const char* level, std::string text, std::string
 }
 
 void Journal::on_note(const std::string& text) {
-  keep(now_, "info", text);
+  keep(now_, "info", without_tokens(text));  // the page's link would give its role to all who read the log
   next_.on_note(text);
 }
 

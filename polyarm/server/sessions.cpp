@@ -7,6 +7,7 @@
 #include <optional>
 #include <utility>
 
+#include "polyarm/access/token.hpp"
 #include "polyarm/base/bounds.hpp"
 #include "polyarm/cell/known_cells.hpp"
 #include "polyarm/protocol/projects.hpp"
@@ -316,7 +317,12 @@ class Sessions::Work {
     if (names_asker) request["by"] = name_of(seat.client->number);
     cell_->requests().handle(
         Any(std::move(request)), bytes,
-        [client = seat.client](const std::string& text) { return client->answer(text); }, seat.client.get());
+        [client = seat.client,
+         notes = type && type->facts == &protocol::WatchEvents::kFacts](const std::string& text) {
+          return client->answer(notes ? without_tokens(text)
+                                      : text);  // links in notes would give their role away
+        },
+        seat.client.get());
   }
 
   /// The few requests that work without a cell, when it has failed or could not be built.

@@ -117,6 +117,26 @@ TEST_F(RolesInACell, WhoMayOnlyWatchIsToldEverythingAndStops) {
   EXPECT_EQ(lock_step->cell().snapshot().state, control::RunState::held);
 }
 
+/// Who reads the log must not learn a link that allows more.
+TEST_F(RolesInACell, NoLinkIsInWhatAWatcherReads) {
+  lock_step->cell().view().tell("pendant: " + pendant->link());
+  lock_step->run(0.05);
+  const auto watcher = connect(Role::watch);
+  const Json events = ask(*watcher, {{"request", "events"}, {"since", 0}});
+  EXPECT_NE(events.dump().find("pendant: http"), std::string::npos) << events;
+  EXPECT_EQ(events.dump().find("token=secret"), std::string::npos) << events;
+  // The log of the page: all lines come after session.watch.
+  ask(*watcher, {{"request", "session.hello"}, {"name", "watcher"}});
+  ask(*watcher, {{"request", "session.watch"}, {"rate", 10}});
+  Json log;
+  for (int n = 0; n < 2000 && log.is_null(); ++n) {
+    ask(*watcher, {{"request", "health"}});
+    log = watcher->event("log");
+  }
+  EXPECT_NE(log.dump().find("pendant: http"), std::string::npos) << log;
+  EXPECT_EQ(log.dump().find("token=secret"), std::string::npos) << log;
+}
+
 TEST_F(RolesInACell, TheProjectIsReadAndReplacedByThoseWhoMay) {
   const auto status = [&](Role role, const std::string& method) {
     return WebPeer::status(WebPeer::fetch(pendant->port(), "/api/project.zip?name=x",
