@@ -271,5 +271,8 @@ export const program = {
   'program.notChecked': 'Not checked here. Save the file, then press Check the cell on the page Cell.',
   'program.toCell': 'Open the page Cell',
   'program.beingChecked': 'Checking …',
+  'program.dryNear': 'Dry run: a guard would stop it',
+  'program.dryBlind': 'Dry run: every move is possible, but contacts were not checked',
+  'program.dryUntil': 'contacts checked in the first {time} only',
   'program.dryContact': 'Dry run: something is touched',
 } as const;

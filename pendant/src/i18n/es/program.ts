@@ -274,5 +274,8 @@ export const program: Record<keyof typeof en, string> = {
       'No se comprueba aquí. Guarde el archivo y pulse Comprobar la celda en la página Celda.',
   'program.toCell': 'Abrir la página Celda',
   'program.beingChecked': 'Comprobando…',
+  'program.dryNear': 'Ensayo en seco: una protección lo pararía',
+  'program.dryBlind': 'Ensayo en seco: todos los movimientos son posibles, pero no se comprobaron contactos',
+  'program.dryUntil': 'contactos comprobados solo en los primeros {time}',
   'program.dryContact': 'Ensayo en seco: se toca algo',
 };

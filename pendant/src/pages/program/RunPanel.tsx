@@ -23,7 +23,7 @@ import { NoPass } from '../run/NoPass';
 import { programWord } from '../run/Now';
 import { BreakpointButton } from './CodeView';
 import * as doc from './documents';
-import { dry, dryRun, forgetDry } from './dry';
+import { dry, dryRun, dryWords, forgetDry } from './dry';
 
 const shown = kept<'problems' | 'variables' | 'view'>('program.panel', 'problems');
 
@@ -278,16 +278,19 @@ function DryAnswer({ stale }: { stale: boolean }) {
   const now = dry.value;
   if (now.kind !== 'done') return null;
   const { result } = now;
-  const good = !result.problems.some((each) => each.severity === 'error');
+  const { title, until, unchecked } = dryWords(result);
+  const good = title === 'program.dryGood';
   return (
     <div class={`program-dry ${stale ? 'stale' : good ? 'good' : 'bad'}`} role="status">
       <Icon name={good ? 'check' : 'alarm'} />
       <span class="grow">
-        <strong>{stale ? t('program.dryStale') : good ? t('program.dryGood') : result.problems.some((each) => each.code === 'contact') ? t('program.dryContact') : result.moves === 0 ? t('program.dryNothing') : t('program.dryBad')}</strong>
+        <strong>{t(stale ? 'program.dryStale' : title)}</strong>
         <small>
           {t('program.dryMoves', { moves: result.moves })}
           {result.seconds !== null && result.seconds !== undefined && ` · ${t('program.dryTime', { time: `${number(result.seconds, 1)} s` })}`}
           {result.reached && ` · ${t('program.dryReached', { line: result.reached.line })}`}
+          {until !== null && ` · ${t('program.dryUntil', { time: `${number(until, 1)} s` })}`}
+          {unchecked && ` · ${unchecked}`}
         </small>
       </span>
       {result.paths.length > 0 && <Button label={t('program.dryShow')} icon="cube" bare tone="quiet" onClick={() => (shown.value = 'view')} />}

@@ -2,7 +2,9 @@
 import { signal } from '@preact/signals';
 import { complain, stream } from '../../state/cell';
 import { type DryPath, dryPaths, problemsIn3d } from '../../state/preview';
-import { problemLine } from '../../i18n/told';
+import type { Key } from '../../i18n';
+import { ownWords, problemLine } from '../../i18n/told';
+import type { RehearsedContacts } from '../../wire/requests';
 import type { Problem } from './documents';
 
 export interface DryResult {
@@ -11,6 +13,32 @@ export interface DryResult {
   reached: { file: string; line: number } | null;
   seconds: number | null;
   paths: DryPath[];
+  /** Whether contacts were looked for, and how far. */
+  contacts?: RehearsedContacts;
+}
+
+export interface DryWords {
+  title: Key;
+  /** Seconds up to which contacts were looked for; null: to the end. */
+  until: number | null;
+  /** Why nothing looked for contacts; '' if something did. */
+  unchecked: string;
+}
+
+/** What a dry run has found. It is not called good where nothing looked for contacts. */
+export function dryWords({ problems, moves, contacts }: Pick<DryResult, 'problems' | 'moves' | 'contacts'>): DryWords {
+  const errors = problems.filter((each) => each.severity === 'error');
+  const has = (code: string) => errors.some((each) => each.code === code);
+  const blind = contacts?.checked === false;
+  const title: Key =
+    errors.length === 0
+      ? blind ? 'program.dryBlind' : 'program.dryGood'
+      : has('contact') ? 'program.dryContact' : has('guard') ? 'program.dryNear' : moves === 0 ? 'program.dryNothing' : 'program.dryBad';
+  return {
+    title,
+    until: contacts?.checked && !contacts.whole ? contacts.seconds : null,
+    unchecked: blind ? contacts!.unchecked.map(ownWords).filter(Boolean).join(' · ') : '',
+  };
 }
 export type DryState =
   | { kind: 'none' }
