@@ -3,7 +3,7 @@
  * least 44 px.
  */
 import type { ComponentChildren } from 'preact';
-import { useId, useState } from 'preact/hooks';
+import { useEffect, useId, useRef, useState } from 'preact/hooks';
 import { t } from '../i18n';
 import { Icon, type IconName } from './Icon';
 
@@ -55,8 +55,17 @@ interface SegmentedProps<T extends string> {
 /** A choice of a few options, side by side. */
 export function Segmented<T extends string>({ label, value, options, disabled, onChange }: SegmentedProps<T>) {
   const name = useId();
+  const row = useRef<HTMLDivElement>(null);
+  // Where the row scrolls, the chosen option is in view.
+  useEffect(() => {
+    const chosen = row.current?.querySelector<HTMLElement>('.chosen');
+    const box = [row.current, row.current?.parentElement].find((each) => each && each.scrollWidth > each.clientWidth);
+    if (!box || !chosen) return;
+    const at = chosen.getBoundingClientRect().left - box.getBoundingClientRect().left;
+    box.scrollLeft += at - (box.clientWidth - chosen.offsetWidth) / 2;
+  }, [value]);
   return (
-    <div class="segmented" role="radiogroup" aria-label={label}>
+    <div ref={row} class="segmented" role="radiogroup" aria-label={label}>
       {options.map((option) => (
         <label key={option.id} class={option.id === value ? 'chosen' : ''} title={option.title}>
           <input

@@ -370,6 +370,7 @@ export const parts: readonly (readonly [RegExp, string])[] = [
   [/^(\d+) values?$/g, '$1 valores'],
   [/^(\d+) fields?$/g, '$1 campos'],
   [/^write\b/g, 'escriba'],
+  [/ such as /g, ' como '],
   [/^(\d+) sets\b/g, '$1 fija'],
   [/^(\d+) reads\b/g, '$1 lee'],
   [/^(\d+) waits for other tasks$/g, '$1 espera a otras tareas'],

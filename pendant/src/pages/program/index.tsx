@@ -141,7 +141,12 @@ function CheckChip() {
   return (
     <span class={`chip ${tone} program-check`} role="status">
       <Icon name={!doc.checked.value ? 'clock' : errors + warnings > 0 ? 'alarm' : 'check'} size={16} />
-      {text}
+      <span class="full">{text}</span>
+      {errors + warnings > 0 && (
+        <span class="few" aria-hidden="true">
+          {errors || warnings}
+        </span>
+      )}
     </span>
   );
 }

@@ -8,6 +8,9 @@ import { Button, Field, Segmented } from '../../ui/controls';
 import { Dialog } from '../../ui/Dialog';
 import { changedText, directionWord, Value, whoText } from './index';
 
+/** What a rule sets: the words of the tag's own values. */
+const ruleText = (then: unknown): string => (typeof then === 'boolean' ? t(then ? 'signals.on' : 'signals.off') : String(then));
+
 export function TagDialog({ name, onClose }: { name: string; onClose: () => void }) {
   const info = tagInfos.value.find((each) => each.name === name);
   const tag = info ? tagNow(info) : null;
@@ -27,7 +30,7 @@ export function TagDialog({ name, onClose }: { name: string; onClose: () => void
     [t('signals.source'), tag.source],
     [t('signals.quality'), word('signals.q', tag.quality)],
     [t('signals.changed'), changedText(tag)],
-    ...Object.entries(tag.rules ?? {}).map(([rule, then]): [string, string] => [word('signals.rule', rule), String(then)]),
+    ...Object.entries(tag.rules ?? {}).map(([rule, then]): [string, string] => [word('signals.rule', rule), ruleText(then)]),
     ...(tag.output !== null && tag.output !== undefined ? [[t('signals.output'), String(tag.output)] as [string, string]] : []),
   ];
   return (
