@@ -61,19 +61,6 @@ export function AddMesh() {
   );
 }
 
-/** Handlers of an element on which files may be dropped. */
-export const dropTarget = {
-  onDragOver: (e: DragEvent) => {
-    if (mayProgram.value && e.dataTransfer?.types.includes('Files')) e.preventDefault();
-  },
-  onDrop: (e: DragEvent) => {
-    const files = [...(e.dataTransfer?.files ?? [])];
-    if (!files.length) return;
-    e.preventDefault();
-    if (mayProgram.value) void addMeshes(files);
-  },
-};
-
 type Kind = 'fixture' | 'part';
 
 function Place({ mesh, onClose }: { mesh: Uploaded; onClose: () => void }) {

@@ -4,7 +4,6 @@ import { t } from '../../i18n';
 import { WatchOnly } from '../../shell/Control';
 import { Segmented } from '../../ui/controls';
 import './cell.css';
-import { dropTarget } from './AddMesh';
 import { Catalogue } from './Catalogue';
 import { Overview } from './Overview';
 import { Projects } from './Projects';
@@ -28,7 +27,7 @@ export default function Page() {
         ]}
         onChange={(id) => (tab.value = id)}
       />
-      <div class="cell-body" tabIndex={0} role="region" aria-label={t('nav.cell')} {...dropTarget}>
+      <div class="cell-body" tabIndex={0} role="region" aria-label={t('nav.cell')}>
         {tab.value === 'cell' && <Overview onRobots={() => (tab.value = 'robot')} onProjects={() => (tab.value = 'projects')} />}
         {tab.value === 'robot' && <Catalogue onDone={() => (tab.value = 'cell')} />}
         {tab.value === 'projects' && <Projects />}
