@@ -120,6 +120,7 @@ TEST_F(RolesInACell, WhoMayOnlyWatchIsToldEverythingAndStops) {
 /// Who reads the log must not learn a link that allows more.
 TEST_F(RolesInACell, NoLinkIsInWhatAWatcherReads) {
   lock_step->cell().view().tell("pendant: " + pendant->link());
+  pendant->observer().on_note("pendant: " + pendant->link());
   lock_step->run(0.05);
   const auto watcher = connect(Role::watch);
   const Json events = ask(*watcher, {{"request", "events"}, {"since", 0}});

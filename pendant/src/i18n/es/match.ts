@@ -3,30 +3,49 @@
  * Loaded only while the page speaks Spanish.
  */
 import { files } from './files';
-import { advices, parts, sentences } from './sentences';
+import { advices, parts, sentences, wholeParts } from './sentences';
 
 type Rows = readonly (readonly [string, string])[];
 
+interface Row {
+  pattern: RegExp;
+  to: string;
+  /** For each variable part: it stands in quotes, so it can be any name. */
+  quoted: boolean[];
+}
+
 /** The rows with their patterns; those with more letters of their own come first. */
-function patterns(rows: Rows): [RegExp, string][] {
+function patterns(rows: Rows): Row[] {
   const own = (text: string) => text.replace(/\{\d\}/g, '').length;
+  const plain = (text: string) => text.replace(/[.*+?^$()|[\]\\/]/g, '\\$&').replace(/\{(?!\d\})/g, '\\{').replace(/\{\d\}/g, '(.+?)');
   return [...rows]
     .sort(([a], [b]) => own(b) - own(a))
-    .map(([from, to]) => [new RegExp(`^${from.replace(/[.*+?^$()|[\]\\/]/g, '\\$&').replace(/\{(?!\d\})/g, '\\{').replace(/\{\d\}/g, '(.+?)')}$`, 's'), to]);
+    .map(([from, to]) => ({ pattern: new RegExp(`^${plain(from)}$`, 's'), to, quoted: [...from.matchAll(/('?)\{\d\}/g)].map(([, quote]) => quote !== '') }));
 }
 const kSentences = patterns(sentences);
 const kAdvices = patterns(advices);
 
-/** A variable part: names stay as they are, types and places are translated. */
-const part = (text: string): string => parts.reduce((now, [from, to]) => now.replace(from, to), text);
+const kQuoted = /(`[^`]*`|"[^"]*"|'[^']*')/;
+const outside = (text: string): string => parts.reduce((now, [from, to]) => now.replace(from, to), text);
+
+/** A variable part: names and code stay as they are, types and places are translated. */
+function part(text: string): string {
+  const whole = wholeParts.reduce((now, [from, to]) => now.replace(from, to), text);
+  return whole.split(kQuoted).map((each, i) => (i % 2 === 0 ? outside(each) : each.replace(/^'(.+)'$/, '«$1»'))).join('');
+}
 
 /** False for words that would stay English: the row is meant for another sentence. */
-const isPart = (text: string): boolean => !/\s/.test(text) || part(text) !== text || /^['"`\d[(]/.test(text) || /[,=(){}[\]]/.test(text);
+function isPart(text: string): boolean {
+  const bare = text.replace(new RegExp(kQuoted, 'g'), '');
+  return !/[a-z]{2,} [a-z]{2,}/.test(bare) || part(text) !== text.replace(/'([^']+)'/g, '«$1»') || /[=(){}[\]]/.test(bare);
+}
 
-function put(rows: [RegExp, string][], text: string): string | null {
-  for (const [pattern, to] of rows) {
-    const found = pattern.exec(text);
-    if (found && found.slice(1).every(isPart)) return to.replace(/\{(\d)\}/g, (_, index: string) => part(found[Number(index)]!));
+function put(rows: Row[], text: string): string | null {
+  for (const { pattern, to, quoted } of rows) {
+    const found = pattern.exec(text)?.slice(1);
+    if (!found?.every((each, i) => quoted[i] || isPart(each))) continue;
+    const out = to.replace(/\{(\d)\}/g, (_, index: string) => (quoted[Number(index) - 1] ? found[Number(index) - 1]! : part(found[Number(index) - 1]!)));
+    return out.replace(/\bde el /g, 'del ').replace(/\ba el /g, 'al ');
   }
   return null;
 }
