@@ -40,19 +40,24 @@ test('a mesh that is chosen is placed with its unit', async () => {
   assert.match(readFileSync(join(at.cell.folder, 'cell.yaml'), 'utf8'), /^scene: scene.yaml$/m);
 });
 
-test('a mesh that is dropped can be a part', async () => {
-  await page.getByRole('button', { name: 'Add a mesh' }).waitFor();
+test('a mesh that is dropped on any page can be a part, on a phone, too', async () => {
+  await go(page, 'Run');
+  await page.setViewportSize({ width: 390, height: 844 });
   const data = await page.evaluateHandle((text) => {
     const out = new DataTransfer();
     out.items.add(new File([text], 'part.stl'));
     return out;
   }, kPyramid);
-  await page.getByRole('region', { name: 'Cell', exact: true }).dispatchEvent('drop', { dataTransfer: data });
+  await page.getByRole('main').dispatchEvent('drop', { dataTransfer: data });
+  const box = await dialog().boundingBox();
+  assert.ok(box.x >= 0 && box.x + box.width <= 390, `the dialog is from ${box.x} to ${box.x + box.width} px`);
   await dialog().getByText('Part: can be picked up').click();
   await dialog().getByLabel('Mass').fill('0.25');
   await dialog().getByLabel('y', { exact: true }).fill('0.3');
   await dialog().getByRole('button', { name: 'Add and start again' }).click();
   await page.getByText('part is in the scene').first().waitFor();
+  await page.setViewportSize({ width: 1280, height: 800 });
+  await go(page, 'Cell');
   assert.match(scene(), /parts:\n {2}part: \{mesh: \{file: "meshes\/part.stl", unit: mm\}, at: \[0.5, 0.3, 0\], mass: 0.25kg\}/);
 });
 
