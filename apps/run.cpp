@@ -275,10 +275,13 @@ void require_something_real(const cell::CellView& cell, bool asked) {
   if (!asked || cell.arming().needed()) return;
   std::vector<std::string> robots;
   for (const auto& robot : cell.robots()) robots.push_back(robot->entry.name + " (" + robot->driver + ")");
+  const std::string simulated = join(robots, ", ");
   throw Error(Problem{kNothingReal,
                       {cell.file().path.string()},
-                      "--real, but nothing of this cell is real: " + join(robots, ", "),
-                      "name the driver of the real robot as its 'hardware', or run without --real"});
+                      "--real, but nothing of this cell is real: " + simulated,
+                      "name the driver of the real robot as its 'hardware', or run without --real",
+                      Severity::error,
+                      {{"robots", simulated}}});
 }
 
 /// Root is not needed, and a fault of a root process can affect the whole machine.

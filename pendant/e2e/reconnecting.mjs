@@ -147,12 +147,12 @@ test('without a cell Stop is hatched, says that there is nothing to stop, and pr
   await at.watcher.request('program.stop').catch(() => undefined);
   await at.watcher.request('cell.open', { folder: join(cell.folder, '../broken') });
   await state(page).getByText('No cell runs').waitFor();
-  const dead = page.getByRole('button', { name: /^Stop .*no cell is running: there is nothing to stop$/ });
+  const dead = page.getByRole('button', { name: /^Stop .*no cell: there is nothing to stop$/ });
   await dead.waitFor();
   assert.equal(await dead.getAttribute('aria-disabled'), 'true');
   assert.match(await dead.evaluate((each) => getComputedStyle(each).backgroundImage), /repeating-linear-gradient/);
   await dead.click({ force: true });
-  await messages().getByText('no cell is running: there is nothing to stop').waitFor();
+  await messages().getByText('no cell: there is nothing to stop').waitFor();
   assert.equal(await messages().getByRole('alert').count(), 0, 'no error');
   assert.equal(await stopKey(page).count(), 0);
   await picture(page, 'no-cell');

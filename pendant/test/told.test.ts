@@ -92,6 +92,8 @@ describe('what the cell tells', () => {
         [...sentAs].filter(([code]) => !(`told.${code}` in en)).map(([code, file]) => `${code} (${file})`);
     expect(lacks).toEqual([]);
     for (const key of Object.keys(codes) as (keyof typeof codes)[]) expect(es[key], key).toBeTruthy();
+    // What ends a run before there is a cell reaches pages that wait for one.
+    for (const [, code] of sources['../../apps/run.cpp']!.matchAll(/const char\* k\w+ = "([a-z]+(?:-[a-z]+)+)"/g)) expect(en, code).toHaveProperty([`told.${code}`]);
   });
 
   it('has no text for a code that nobody sends', () => {
@@ -211,6 +213,12 @@ describe('what the cell tells', () => {
     expect(plain('polyarm control arm')).toBe('');
     for (const text of ['the mesh /tmp/polyarm-cells/own/a.stl is not a whole STL (export it again)', 'another polyarm runs this cell: process 12'])
       expect(plain(text)).toBe(text);
+  });
+
+  it('says what is not real, though the words for a terminal name an option', () => {
+    const problem = { code: 'nothing-real', what: '--real, but nothing of this cell is real: arm (mock)', advice: 'run without --real', facts: { robots: 'arm (mock)' } };
+    expect(inBoth(() => problemWords(problem).text)).toEqual(['Nothing of this cell is real: arm (mock)', 'Nada de esta celda es real: arm (mock)']);
+    expect(problemWords(problem).advice).not.toMatch(/--/);
   });
 
   it('says a problem by its code, and what the cell says of it below', () => {

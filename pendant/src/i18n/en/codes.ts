@@ -43,6 +43,7 @@ export const codes = {
   'told.not-real': 'No real hardware is connected',
   'told.connected-already': 'It is connected already',
   'told.real-and-fast': 'Real hardware cannot run faster than real time',
+  'told.nothing-real': 'Nothing of this cell is real',
   'told.no-real-hardware': 'The cell names no real hardware',
   'told.no-device': 'A device is not connected',
   'told.fault': 'The cell is in a fault',

@@ -164,7 +164,7 @@ export const shell = {
   'control.asking': 'Asked {name} for control: {seconds} s',
   'control.askingShort': 'Asked',
   'stop.offline': 'not connected: use the emergency stop',
-  'stop.noCell': 'no cell is running: there is nothing to stop',
+  'stop.noCell': 'no cell: there is nothing to stop',
   'alarms.strip': 'Alarm',
   'alarms.more': '+{count} more',
   'alarms.details': 'Details',

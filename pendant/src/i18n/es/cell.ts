@@ -110,7 +110,7 @@ export const cell: Record<keyof typeof en, string> = {
   'cell.noneOpen': 'No hay ninguna celda abierta',
   'cell.noneOpenText': 'La celda no pudo iniciarse: las alarmas dicen por qué. Abra otra celda, o corrija los archivos e inténtelo de nuevo.',
   'cell.toProjects': 'Abrir un proyecto',
-  'cell.tryAgain': 'Iniciar la celda de nuevo',
+  'cell.tryAgain': 'Iniciar de nuevo',
   'reach.unread': 'La lista puede estar incompleta, porque un archivo no se puede leer:',
   'mesh.add': 'Añadir una malla',
   'mesh.uploading': 'Subiendo {percent} %',

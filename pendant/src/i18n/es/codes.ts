@@ -41,6 +41,7 @@ export const codes: Record<keyof typeof en, string> = {
   'told.not-real': 'No hay equipos reales conectados',
   'told.connected-already': 'Ya está conectado',
   'told.real-and-fast': 'Los equipos reales no pueden ir más rápido que el tiempo real',
+  'told.nothing-real': 'Nada de esta celda es real',
   'told.no-real-hardware': 'La celda no nombra equipos reales',
   'told.no-device': 'Un equipo no está conectado',
   'told.fault': 'La celda está en fallo',

@@ -167,7 +167,7 @@ export const shell: Record<keyof typeof en, string> = {
   'control.asking': 'Control pedido a {name}: {seconds} s',
   'control.askingShort': 'Pedido',
   'stop.offline': 'sin conexión: use la de emergencia',
-  'stop.noCell': 'ninguna celda en marcha: nada que parar',
+  'stop.noCell': 'sin celda: nada que parar',
   'alarms.strip': 'Alarma',
   'alarms.more': '+{count} más',
   'alarms.details': 'Detalles',
