@@ -10,7 +10,7 @@
 #include "polyarm/base/quantity.hpp"
 #include "polyarm/base/text.hpp"
 #include "polyarm/base/unit_advice.hpp"
-#include "polyarm/data/point_in_world.hpp"
+#include "polyarm/data/frame_chain.hpp"
 
 namespace polyarm::apps {
 
@@ -234,13 +234,22 @@ class Reader {
     return nullptr;
   }
 
+  Pose in_world(const data::Point& point, const std::string& word) const {
+    const data::FrameChain chain =
+        data::frame_chain(point.frame(), [this](const std::string& name) -> const data::Point* {
+          const data::Value* value = value_of(name);
+          return value ? value->as_point() : nullptr;
+        });
+    if (chain.root.empty()) return chain.pose * point.pose;
+    if (chain.root == "base") return places_.robot.chain.base() * chain.pose * point.pose;
+    throw Error("unknown-frame",
+                "'" + word + "' is in the frame '" + chain.root + "', whose place is not known here",
+                "use a point in the world, or in a frame of the same files");
+  }
+
   MoveTarget named(const std::string& word) const {
     if (const data::Value* value = value_of(word)) {
-      if (const data::Point* point = value->as_point())
-        return {data::pose_in_world(
-                    *point, word, [this](const std::string& name) { return value_of(name); },
-                    &places_.robot.chain.base()),
-                word};
+      if (const data::Point* point = value->as_point()) return {in_world(*point, word), word};
       if (const data::JointState* state = value->as_joints()) return {ordered(*state, word), word};
       refuse(word, std::string("is ") + data::name(value->kind()), "a target is a pose or a joint state");
     }

@@ -268,7 +268,7 @@ void Stage::report_endless(const Location& where, int statements) {
 /// Converts a relative move into an absolute one.
 program::Move Stage::from_now(const program::Move& move) {
   arrive();
-  data::Point place = *here(move.robot, move.tool, move.frame_pose ? std::string{} : move.frame).as_point();
+  data::Point place = *here(move.robot, move.tool, move.named_frame()).as_point();
   if (move.frame_pose) place.pose = inverse(*move.frame_pose) * place.pose;
   const auto named = [&](const Arm& arm) {
     return move.robot.empty() || arm.robot->entry.name == move.robot;

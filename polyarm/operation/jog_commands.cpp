@@ -8,6 +8,7 @@
 
 #include "polyarm/base/quantity.hpp"
 #include "polyarm/base/text.hpp"
+#include "polyarm/data/frame_chain.hpp"
 #include "polyarm/operation/point_edits.hpp"
 
 namespace polyarm::cell {
@@ -98,10 +99,9 @@ jog::Twist twist_values(const Map& map, bool rates) {
 /// T_world_frame; gives the axes of the frame. A user's frame is a point of the cell's data, which may itself
 /// be given in another frame.
 Pose frame_of(const JogOwners& cell, const CellRobot& robot, const std::string& frame) {
-  if (frame == "world") return {};
-  if (frame == "base") return robot.entry.base;
-  if (const data::Value* value = cell.data.store.find(frame))
-    if (value->as_point()) return frame_in_world(cell.setup, cell.data.store, frame);
+  const data::Value* const value = cell.data.store.find(frame);
+  if (frame == "world" || data::robot_frame(frame) || (value && value->as_point()))
+    return frame_in_world(cell.setup, cell.data.store, frame, &robot, &cell.motions);
   std::vector<std::string> names = {"base", "world", "tool"};
   for (const std::string& known : cell.data.store.names())
     if (cell.data.store.find(known)->as_point()) names.push_back(known);

@@ -6,6 +6,7 @@
 
 #include "polyarm/base/bounds.hpp"
 #include "polyarm/base/text.hpp"
+#include "polyarm/data/frame_chain.hpp"
 #include "polyarm/data/literal.hpp"
 
 namespace polyarm::cell {
@@ -196,17 +197,56 @@ std::vector<double> joints_now(const Machine& machine, const CellRobot& robot) {
   return out;
 }
 
-Pose frame_in_world(const CellSetup& setup, const data::DataStore& store, const std::string& frame,
-                    int depth) {
-  if (frame.empty() || frame == "world") return {};
+namespace {
+/// T_world_frame of a frame on a robot; empty: unknown here.
+std::optional<Pose> on_robot(const CellSetup& setup, const data::RobotFrame& frame, const CellRobot* own,
+                             const Motions* motions) {
+  using Part = data::RobotFrame::Part;
+  if (frame.robot.empty()) {
+    if (!own && setup.robots.size() == 1) own = setup.robots.front().get();
+    return own ? std::optional(own->entry.base) : std::nullopt;
+  }
+  for (std::size_t i = 0; i < setup.robots.size(); ++i) {
+    const CellRobot& robot = *setup.robots[i];
+    if (robot.entry.name != frame.robot) continue;
+    if (frame.part == Part::base) return robot.entry.base;
+    if (!motions) return std::nullopt;
+    return frame.part == Part::tcp ? motions->tcp(i) : motions->tcp(i) * inverse(robot.tool.tcp);
+  }
+  return std::nullopt;
+}
+
+std::vector<std::string> frames_of(const CellSetup& setup, const data::DataStore& store) {
+  std::vector<std::string> out = {"world", "base"};
+  for (const std::string& name : store.names())
+    if (store.find(name)->as_point()) out.push_back(name);
   for (const auto& robot : setup.robots)
-    if (frame == robot->entry.name + "/base") return robot->entry.base;
-  if (frame == "base" && setup.robots.size() == 1 && !store.find(frame))
-    return setup.robots.front()->entry.base;
-  if (depth > 16) throw Error("unknown-frame", "the frame '" + frame + "' is in itself");
-  const data::Point* point = place_of(store, frame).as_point();
-  if (!point) throw Error("unknown-frame", "'" + frame + "' is a joint state, no frame");
-  return frame_in_world(setup, store, point->frame(), depth + 1) * point->pose;
+    for (const char* part : {"/base", "/flange", "/tcp"}) out.push_back(robot->entry.name + part);
+  return out;
+}
+}  // namespace
+
+Pose frame_in_world(const CellSetup& setup, const data::DataStore& store, const std::string& frame,
+                    const CellRobot* own, const Motions* motions) {
+  const data::FrameChain chain = data::frame_chain(frame, [&](const std::string& name) {
+    const data::Value* value = store.find(name);
+    return value ? value->as_point() : nullptr;
+  });
+  if (chain.root.empty()) return chain.pose;
+  const auto part = data::robot_frame(chain.root);
+  if (const auto on = part ? on_robot(setup, *part, own, motions) : std::nullopt) return *on * chain.pose;
+  const data::Value* value = store.find(chain.root);
+  throw Error(
+      "unknown-frame",
+      part    ? "the place of the frame '" + chain.root + "' is not known here"
+      : value ? "'" + chain.root + "' is " + data::name(value->kind()) + ", not a frame"
+              : "there is no frame '" + chain.root + "'" + did_you_mean(chain.root, frames_of(setup, store)),
+      data::kFramesAre);
+}
+
+Pose point_in_world(const CellSetup& setup, const data::DataStore& store, const data::Point& point,
+                    const CellRobot* own, const Motions* motions) {
+  return frame_in_world(setup, store, point.frame(), own, motions) * point.pose;
 }
 
 std::string file_name(const CellData& data, const std::string& set) {
@@ -236,7 +276,7 @@ PointFacts point_facts(const PointOwners& cell, const std::string& name) {
   if (!point) return out;
   out.pose.emplace(pose_facts(point->pose));
   try {
-    out.world.emplace(pose_facts(frame_in_world(cell.setup, cell.data.store, point->frame()) * point->pose));
+    out.world.emplace(pose_facts(point_in_world(cell.setup, cell.data.store, *point, nullptr)));
   } catch (const Error&) {  // this cell does not have its frame
   }
   if (!point->taught) return out;

@@ -34,10 +34,14 @@ const data::Value& place_of(const data::DataStore& store, const std::string& nam
 const data::Value& kept_value(const data::DataStore& store, const std::string& name);
 /// Throws Error("bad-name").
 void check_point_name(const std::string& name);
-/// T_world_frame of a frame: the world, a robot's base or a point, which may itself be given in another
-/// frame.
+/// T_world_frame of a frame: the world, a frame on a robot or a point, which may itself be in another frame.
+/// `own`: the robot whose base is the frame `base`; null: that of a cell with one robot. `motions`: for the
+/// flange and TCP of a robot, where they are now; null: they are not known. Throws Error("unknown-frame").
 Pose frame_in_world(const CellSetup& setup, const data::DataStore& store, const std::string& frame,
-                    int depth = 0);
+                    const CellRobot* own, const Motions* motions = nullptr);
+/// T_world_point of a point, the same way.
+Pose point_in_world(const CellSetup& setup, const data::DataStore& store, const data::Point& point,
+                    const CellRobot* own, const Motions* motions = nullptr);
 /// Present joint positions, rad or m, in the robot's order.
 std::vector<double> joints_now(const Machine& machine, const CellRobot& robot);
 /// Parses {p: [x, y, z], q: [x, y, z, w]}.

@@ -39,8 +39,7 @@ moves::MoveTarget target_of(const PointOwners& cell, const CellRobot& robot, con
     if (const data::JointState* joints = value.as_joints())
       target.at = cell::joints_by_name(robot.model, *joints, target.name);
     else
-      target.at =
-          frame_in_world(cell.setup, cell.data.store, value.as_point()->frame()) * value.as_point()->pose;
+      target.at = point_in_world(cell.setup, cell.data.store, *value.as_point(), &robot, &cell.motions);
   } else if (request.joints) {
     target.at = joints_at(cell, robot, *request.joints);
   } else {

@@ -79,7 +79,10 @@ struct MoveDefaults {
   bool exact = false;
   std::optional<bool> around;
   std::string robot, tool, frame;
-  std::optional<Pose> frame_pose;
+  std::optional<Pose> frame_pose;  ///< the frame, if it was given as a value
+  std::string pose_in;             ///< the frame that frame_pose is in; empty: the world
+  /// The frame that the host knows by name: `frame`, or the one around frame_pose.
+  const std::string& named_frame() const { return frame_pose ? pose_in : frame; }
 };
 
 /// A call of a function, with its return place.

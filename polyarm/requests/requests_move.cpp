@@ -107,13 +107,8 @@ moves::MoveTarget target_of(const MoveOwners& cell, const CellRobot& robot, cons
                 "name a point of the cell's data, or give {joints: …} or {pose: …}");
   if (const data::JointState* joints = value->as_joints())
     return {joints_by_name(robot.model, *joints, name), name};
-  if (const data::Point* place = value->as_point()) {
-    // With several robots, `base` is the base of the one that moves.
-    const bool in_base = place->frame() == "base" && !cell.data.store.find("base");
-    const Pose frame =
-        in_base ? robot.entry.base : frame_in_world(cell.setup, cell.data.store, place->frame());
-    return {frame * place->pose, name};
-  }
+  if (const data::Point* place = value->as_point())
+    return {point_in_world(cell.setup, cell.data.store, *place, &robot, &cell.motions), name};
   throw Error("not-a-point", "'" + name + "' is " + data::name(value->kind()) + ", not a point");
 }
 

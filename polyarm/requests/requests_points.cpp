@@ -33,7 +33,9 @@ data::Value standing_value(const PointOwners& cell, std::size_t i, bool as_joint
   for (const controllers::JointFacts& joint : robot.joints)
     joints.names.push_back(joint.name.substr(joint.name.find('/') + 1));
   if (as_joints) return joints;
-  data::Point point{inverse(frame_in_world(cell.setup, cell.data.store, frame)) * cell.motions.tcp(i), true};
+  data::Point point{inverse(frame_in_world(cell.setup, cell.data.store, frame, &robot, &cell.motions)) *
+                        cell.motions.tcp(i),
+                    true};
   point.taught = std::make_shared<data::Taught>(
       data::Taught{frame == "world" ? "" : frame, robot.entry.tool, robot.entry.model, joints});
   return point;
@@ -140,6 +142,12 @@ Poll<ChangedPoint> points_teach(const PointOwners& cell, const PointsTeach& requ
                     value, trimmed(request.group));
 }
 
+/// Throws Error("unknown-frame"). `base` is a frame of each robot, so any of them stands for it here.
+void require_frame(const PointOwners& cell, const std::string& frame) {
+  const CellRobot* any = cell.setup.robots.empty() ? nullptr : cell.setup.robots.front().get();
+  frame_in_world(cell.setup, cell.data.store, frame, any, &cell.motions);
+}
+
 Poll<ChangedPoint> points_set(const PointOwners& cell, const PointsSet& request) {
   const std::string& name = request.name;
   check_point_name(name);
@@ -154,7 +162,7 @@ Poll<ChangedPoint> points_set(const PointOwners& cell, const PointsSet& request)
     data::Point out = *point;
     data::Taught taught = out.taught ? *out.taught : data::Taught{};
     taught.frame = frame == "world" ? "" : frame;
-    frame_in_world(cell.setup, cell.data.store, taught.frame);
+    require_frame(cell, taught.frame);
     out.taught = std::make_shared<data::Taught>(std::move(taught));
     value = out;
   }

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "polyarm/base/text.hpp"
+#include "polyarm/data/frame_chain.hpp"
 #include "polyarm/program/code.hpp"
 
 namespace polyarm::cell {
@@ -64,46 +65,46 @@ void FrameCheck::look_at(const program::Program& program) {
   });
 }
 
-std::optional<Pose> FrameCheck::frame(const std::string& name, const data::Entry& of,
-                                      std::vector<std::string>& way) const {
-  if (name.empty() || name == "world") return Pose{};
-  if (later_.contains(name)) return std::nullopt;
-  if (const auto at = std::find(way.begin(), way.end(), name); at != way.end()) {
-    std::vector<std::string> circle(at, way.end());
-    circle.push_back(name);
-    throw Error(Problem{"frame-cycle", of.where,
-                        circle.size() == 2
-                            ? "the frame '" + name + "' is stated in itself"
-                            : "frames depend on each other in a circle: " + join(circle, " in "),
-                        "one frame of the chain must be in the world, or on a robot"});
+/// T_world_frame; empty if it is only known during the run. `of` names the frame; `own`: its name may not
+/// occur in the chain, and may change in the run.
+std::optional<Pose> FrameCheck::frame(const std::string& name, const data::Entry& of) const {
+  data::FrameChain chain;
+  try {
+    chain = data::frame_chain(name, [&](const std::string& each) -> const data::Point* {
+      const auto entry = entries_.find(each);
+      const bool fixed = entry != entries_.end() && (!later_.contains(each) || each == of.name);
+      return fixed ? entry->second->value.as_point() : nullptr;
+    });
+  } catch (const Error& e) {
+    Problem problem = e.problems().front();
+    problem.where = of.where;
+    throw Error(problem);
   }
-  way.push_back(name);
-  const auto entry = entries_.find(name);
-  const data::Point* const point = entry == entries_.end() ? nullptr : entry->second->value.as_point();
-  if (point) {
-    const auto outer = frame(point->frame(), *entry->second, way);
-    return outer ? std::optional(*outer * point->pose) : std::nullopt;
-  }
-  if (name == "base") return robots_.size() == 1 ? std::optional(robots_.front()->entry.base) : std::nullopt;
+  if (chain.root.empty()) return chain.pose;
+  if (later_.contains(chain.root)) return std::nullopt;
   std::vector<std::string> known = {"world", "base"};
-  for (const auto& robot : robots_) {
-    for (const char* part : {"base", "flange", "tool0", "tcp"})
-      if (known.push_back(robot->entry.name + "/" + part); name == known.back())
-        return part == std::string_view("base") ? std::optional(robot->entry.base) : std::nullopt;
+  if (const auto part = data::robot_frame(chain.root)) {
+    if (part->robot.empty())
+      return robots_.size() == 1 ? std::optional(robots_.front()->entry.base * chain.pose) : std::nullopt;
+    for (const auto& robot : robots_)
+      if (robot->entry.name == part->robot)
+        return part->part == data::RobotFrame::Part::base ? std::optional(robot->entry.base * chain.pose)
+                                                          : std::nullopt;
   }
+  for (const auto& robot : robots_)
+    for (const char* part : {"/base", "/flange", "/tool0", "/tcp"}) known.push_back(robot->entry.name + part);
   for (const auto& each : entries_)
     if (each.second->value.as_point()) known.push_back(each.first);
-  throw Error(Problem{
-      "unknown-frame", of.where,
-      "'" + of.name + "' is in the frame '" + name + "', which does not exist" + did_you_mean(name, known),
-      "a frame is a point of the data, 'world', 'base', or ROBOT/base, ROBOT/flange, ROBOT/tcp"});
+  const auto owner = entries_.find(chain.owner);
+  const data::Entry& names_it = owner == entries_.end() ? of : *owner->second;
+  throw Error(Problem{"unknown-frame", names_it.where,
+                      "'" + names_it.name + "' is in the frame '" + chain.root + "', which does not exist" +
+                          did_you_mean(chain.root, known),
+                      data::kFramesAre});
 }
 
 std::optional<Pose> FrameCheck::in_world(const data::Entry& entry) const {
-  const data::Point& point = *entry.value.as_point();
-  std::vector<std::string> way = {entry.name};
-  const auto outer = frame(point.frame(), entry, way);
-  return outer ? std::optional(*outer * point.pose) : std::nullopt;
+  return frame(entry.name, entry);
 }
 
 std::vector<Pose> FrameCheck::meanings(const data::Entry& entry) const {
@@ -114,10 +115,9 @@ std::vector<Pose> FrameCheck::meanings(const data::Entry& entry) const {
   if (!entry.value.as_point()->frame().empty() || !targets_.contains(entry.name)) return out;
   if (calculated_) return {};
   for (const std::string& name : stated_) {
-    std::vector<std::string> way;
     std::optional<Pose> at;
     try {
-      at = frame(name, entry, way);
+      at = frame(name, entry);
     } catch (const Error&) {  // reported at its own line
     }
     if (!at) return {};

@@ -34,8 +34,7 @@ class FrameCheck {
   bool is_no_target(const std::string& name) const;
 
  private:
-  std::optional<Pose> frame(const std::string& name, const data::Entry& of,
-                            std::vector<std::string>& way) const;
+  std::optional<Pose> frame(const std::string& name, const data::Entry& of) const;
 
   void note_uses(const program::Block& statements, int handler);
 

@@ -158,7 +158,7 @@ class ProgramHost : public program::Host {
 data::List rows_in(const std::filesystem::path& folder, const std::string& file);
 
 /// The joint values for the robot, in its order; `joints` may have any order. Throws Error that names an
-/// unknown or a missing joint.
+/// unknown or a missing joint, or one whose position was given in the unit of another kind of joint.
 std::vector<double> joints_by_name(const description::RobotModel& model, const data::JointState& joints,
                                    const std::string& what);
 

@@ -55,68 +55,62 @@ std::size_t ProgramMoves::arm_of(const std::string& robot, const Location& where
   return found;
 }
 
-/// A frame on a robot: its base, its flange (tool0) or its TCP.
-std::optional<Pose> ProgramMoves::frame_on_robot(const std::string& name) const {
-  const auto slash = name.find('/');
-  if (slash == std::string::npos) return std::nullopt;
-  const std::string part = name.substr(slash + 1);
+data::FrameChain ProgramMoves::chain_of(const std::string& frame) const {
+  return data::frame_chain(frame, [this](const std::string& name) -> const data::Point* {
+    if (belts_ && belts_->has(name)) return nullptr;
+    const data::Value* value = store_.find(name);
+    return value ? value->as_point() : nullptr;
+  });
+}
+
+/// T_world_frame of a frame on a robot; empty: there is no such robot.
+std::optional<Pose> ProgramMoves::on_robot(const data::RobotFrame& frame, const Arm* own) const {
+  using Part = data::RobotFrame::Part;
+  if (frame.robot.empty()) return own ? std::optional(own->robot.robot->entry.base) : std::nullopt;
   for (const Arm& arm : arms_) {
     const CellRobot& robot = *arm.robot.robot;
-    if (robot.entry.name != name.substr(0, slash)) continue;
-    if (part == "base") return robot.entry.base;
-    if (!arm.robot.motion || (part != "tcp" && part != "flange" && part != "tool0")) return std::nullopt;
+    if (robot.entry.name != frame.robot) continue;
+    if (frame.part == Part::base) return robot.entry.base;
+    if (!arm.robot.motion) return std::nullopt;
     const auto index = static_cast<std::size_t>(&arm - arms_.data());
     if (busy_ ? busy_(index) : !arm.robot.motion->idle())
       throw Error("frame-moves",
-                  "the frame '" + name + "' is under way: '" + robot.entry.name + "' has moves to do",
+                  "the frame '" + frame.robot + (frame.part == Part::tcp ? "/tcp" : "/flange") +
+                      "' is under way: '" + robot.entry.name + "' has moves to do",
                   "let it arrive first: moveto, or `wait 0s` behind the move");
     const Pose tcp = arm.robot.motion->robot().chain.forward(arm.robot.motion->planned());
-    return part == "tcp" ? tcp : tcp * inverse(robot.tool.tcp);
+    return frame.part == Part::tcp ? tcp : tcp * inverse(robot.tool.tcp);
   }
   return std::nullopt;
 }
 
-Pose ProgramMoves::frame_named(const std::string& name, const Arm& arm, const Location& where,
-                               int depth) const {
-  constexpr int kDeepest = 16;
-  if (name.empty() || name == "world") return {};
-  if (belts_ && belts_->has(name)) return belt_frame(name, arm, where);
-  if (depth > kDeepest)
-    throw Error(Problem{"unknown-frame", where, "the frame '" + name + "' hangs on itself",
-                        "one frame of the chain must be in the world or on a robot"});
-  if (const data::Value* value = store_.find(name))
-    if (const data::Point* point = value->as_point())
-      return frame_named(point->frame(), arm, where, depth + 1) * point->pose;
-  if (name == "base") return arm.robot.robot->entry.base;
-  if (const auto on_robot = frame_on_robot(name)) return *on_robot;
-  throw Error(
-      Problem{"unknown-frame", where, "there is no frame '" + name + "'" + did_you_mean(name, store_.names()),
-              "a frame is a point of the data, 'world', 'base', or ROBOT/base, ROBOT/flange, ROBOT/tcp"});
+Pose ProgramMoves::frame_named(const std::string& name, const Arm& arm, const Location& where) const {
+  const data::FrameChain chain = chain_of(name);
+  if (chain.root.empty()) return chain.pose;
+  if (belts_ && belts_->has(chain.root)) return belt_frame(chain.root, arm, where) * chain.pose;
+  if (const auto part = data::robot_frame(chain.root))
+    if (const auto on = on_robot(*part, &arm)) return *on * chain.pose;
+  throw Error(Problem{"unknown-frame", where,
+                      "there is no frame '" + chain.root + "'" + did_you_mean(chain.root, store_.names()),
+                      data::kFramesAre});
 }
-
-namespace {
-/// True if the frame hangs on the base of the robot that moves.
-bool hangs_on_base(const data::DataStore& store, const std::string& frame, int depth = 0) {
-  constexpr int kDeepest = 16;
-  if (frame.empty() || depth > kDeepest) return false;
-  const data::Value* value = store.find(frame);
-  const data::Point* point = value ? value->as_point() : nullptr;
-  return point ? hangs_on_base(store, point->frame(), depth + 1) : frame == "base";
-}
-}  // namespace
 
 /// A point stays in a frame that each robot has for itself.
 data::Point ProgramMoves::in_world(const data::Point& point) const {
-  if (point.frame().empty() || arms_.empty() || !belt_of_frame(point.frame()).empty()) return point;
-  if (arms_.size() > 1 && hangs_on_base(store_, point.frame())) return point;
-  const Pose frame = frame_named(point.frame(), arms_.front(), {});
+  if (point.frame().empty()) return point;
+  const data::FrameChain chain = chain_of(point.frame());
+  if (belts_ && belts_->has(chain.root)) return point;
+  const bool each_has_it = chain.root == "base" && arms_.size() > 1;
+  if (each_has_it || (arms_.empty() && !chain.root.empty())) return point;
+  const Pose frame = arms_.empty() ? chain.pose : frame_named(point.frame(), arms_.front(), {});
   data::Point out = data::converted(point, "world", normalized(frame.rotation * data::axes_of(point)));
   out.pose = frame * point.pose;
   return out;
 }
 
 Pose ProgramMoves::frame_of(const program::Move& move, const Arm& arm, const Location& where) const {
-  return move.frame_pose ? *move.frame_pose : frame_named(move.frame, arm, where);
+  const Pose named = frame_named(move.named_frame(), arm, where);
+  return move.frame_pose ? named * *move.frame_pose : named;
 }
 
 /// T_tool0_tcp.
@@ -145,13 +139,14 @@ std::shared_ptr<const moves::RobotFacts> ProgramMoves::tool_of(const std::string
   return made.facts;
 }
 
-moves::MoveTarget ProgramMoves::target_of(const program::Move::Target& target, const Pose& frame,
+moves::MoveTarget ProgramMoves::target_of(const program::Move::Target& target, const program::Move& move,
                                           const Arm& arm, const Location& where) const {
   if (const data::JointState* joints = target.value.as_joints())
     return {joints_by_name(arm.robot.robot->model, *joints, target.name), target.name};
   if (const data::Point* point = target.value.as_point()) {
     // A point that names a frame is in that frame, whatever the frame of the move.
-    const Pose own = point->frame().empty() ? frame : frame_named(point->frame(), arm, where);
+    const Pose own =
+        point->frame().empty() ? frame_of(move, arm, where) : frame_named(point->frame(), arm, where);
     return {own * point->pose, target.name};
   }
   throw Error(Problem{"not-a-point",
@@ -193,7 +188,7 @@ void ProgramMoves::pace(const program::Move& from, moves::Move& to) const {
   if (from.waits && !from.duration && !from.speed) to.joint_pace = pace_.thesis_scale.value_or(0);
 }
 
-std::vector<moves::Move> ProgramMoves::moves_of(const program::Move& move, const Pose& frame, const Arm& arm,
+std::vector<moves::Move> ProgramMoves::moves_of(const program::Move& move, const Arm& arm,
                                                 const Location& where) const {
   moves::Move made;
   made.kind = move.kind == program::Move::Kind::joint  ? moves::MoveKind::joint
@@ -207,7 +202,7 @@ std::vector<moves::Move> ProgramMoves::moves_of(const program::Move& move, const
   std::vector<moves::Move> out;
   for (std::size_t i = 0; i < move.targets.size(); ++i) {
     const bool last = i + 1 == move.targets.size();
-    made.targets.push_back(target_of(move.targets[i], frame, arm, where));
+    made.targets.push_back(target_of(move.targets[i], move, arm, where));
     if ((made.kind == moves::MoveKind::arc || curve) && !last) continue;
     made.blend = last && move.exact ? 0 : blend;
     out.push_back(made);
@@ -246,7 +241,7 @@ ProgramMoves::Prepared ProgramMoves::prepare(const program::Move& move, const Lo
   const std::size_t index = arm_of(move.robot, where);
   Arm& arm = arms_[index];
   auto facts = tool_of(move.tool, arm, where);
-  std::vector<moves::Move> moves = moves_of(move, frame_of(move, arm, where), arm, where);
+  std::vector<moves::Move> moves = moves_of(move, arm, where);
   if (!belt_of(move, where).empty())  // the rest of the limits is for the motion of the belt
     for (moves::Move& one : moves)
       one.speed *= kShareOnBelts, one.acceleration *= kShareOnBelts, one.around = false;
@@ -292,7 +287,7 @@ program::Handle ProgramMoves::start(const program::Move& asked, const Location& 
   begin_ride(asked, arm, where);
   program::Move move = asked;
   if (is_relative(move)) {
-    data::Point place = *here(move.robot, move.tool, move.frame_pose ? std::string{} : move.frame).as_point();
+    data::Point place = *here(move.robot, move.tool, move.named_frame()).as_point();
     if (move.frame_pose) place.pose = inverse(*move.frame_pose) * place.pose;
     move = from_here(std::move(move), place, *arm.robot.robot, arm.robot.motion->planned());
   }

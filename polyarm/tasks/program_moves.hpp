@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "polyarm/data/data_store.hpp"
+#include "polyarm/data/frame_chain.hpp"
 #include "polyarm/moves/base_motion.hpp"
 #include "polyarm/moves/robot_motion.hpp"
 #include "polyarm/setup/cell_file.hpp"
@@ -190,7 +191,7 @@ class ProgramMoves {
   std::size_t arm_of(const std::string& robot, const Location& where) const;
   program::Handle start_base(const program::Move& move, const Location& where);
   Pose frame_of(const program::Move& move, const Arm& arm, const Location& where) const;
-  std::string belt_of_frame(const std::string& name, int depth = 0) const;
+  std::string belt_of_frame(const std::string& name) const;
   std::string belt_of(const program::Move& move, const Location& where) const;
   Pose belt_frame(const std::string& belt, const Arm& arm, const Location& where) const;
   bool follows(const Arm& arm, const std::string& belt) const;
@@ -199,14 +200,14 @@ class ProgramMoves {
   void note_end_of_compliance(Arm& arm) const;
   void begin_next_compliance(Arm& arm, const Wrench& felt, Nanoseconds time) const;
   void require_compliance(Arm& arm, const Location& where) const;
-  Pose frame_named(const std::string& name, const Arm& arm, const Location& where, int depth = 0) const;
-  std::optional<Pose> frame_on_robot(const std::string& name) const;
+  data::FrameChain chain_of(const std::string& frame) const;
+  Pose frame_named(const std::string& name, const Arm& arm, const Location& where) const;
+  std::optional<Pose> on_robot(const data::RobotFrame& frame, const Arm* own) const;
   std::shared_ptr<const moves::RobotFacts> tool_of(const std::string& name, Arm& arm, const Location& where);
   Pose tcp_of_tool(const std::string& name, const Arm& arm, const Location& where) const;
-  moves::MoveTarget target_of(const program::Move::Target& target, const Pose& frame, const Arm& arm,
+  moves::MoveTarget target_of(const program::Move::Target& target, const program::Move& move, const Arm& arm,
                               const Location& where) const;
-  std::vector<moves::Move> moves_of(const program::Move& move, const Pose& frame, const Arm& arm,
-                                    const Location& where) const;
+  std::vector<moves::Move> moves_of(const program::Move& move, const Arm& arm, const Location& where) const;
   void pace(const program::Move& from, moves::Move& to) const;
   void keep_near(const data::JointState& near, const moves::RobotFacts& robot,
                  std::vector<moves::Move>& moves) const;

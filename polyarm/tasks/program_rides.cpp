@@ -11,13 +11,10 @@
 namespace polyarm::cell {
 
 /// The belt that the frame is or hangs on; empty: none.
-std::string ProgramMoves::belt_of_frame(const std::string& name, int depth) const {
-  constexpr int kDeepest = 16;
-  if (!belts_ || name.empty() || depth > kDeepest) return {};
-  if (belts_->has(name)) return name;
-  const data::Value* value = store_.find(name);
-  const data::Point* point = value ? value->as_point() : nullptr;
-  return point ? belt_of_frame(point->frame(), depth + 1) : std::string{};
+std::string ProgramMoves::belt_of_frame(const std::string& name) const {
+  if (!belts_ || name.empty()) return {};
+  const std::string root = chain_of(name).root;
+  return belts_->has(root) ? root : std::string{};
 }
 
 /// The belt that the robot follows in this move; empty: none.
@@ -27,8 +24,10 @@ std::string ProgramMoves::belt_of(const program::Move& move, const Location& whe
   for (const program::Move::Target& target : move.targets) {
     const data::Point* point = target.value.as_point();
     const bool own = point && !point->frame().empty();
-    const bool in_frame = target.value.as_record() || (point && !own && !move.frame_pose);
-    belts.insert(own ? belt_of_frame(point->frame()) : in_frame ? belt_of_frame(move.frame) : std::string{});
+    const bool in_frame = target.value.as_record() || (point && !own);
+    belts.insert(own        ? belt_of_frame(point->frame())
+                 : in_frame ? belt_of_frame(move.named_frame())
+                            : std::string{});
   }
   if (belts.size() > 1)
     throw Error(Problem{"bad-move", where, "this move has points on a belt and others that are not on it",

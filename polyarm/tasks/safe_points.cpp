@@ -117,6 +117,7 @@ Json from_uses(const program::MoveDefaults& use) {
   some("speed", use.speed), some("accel", use.accel), some("blend", use.blend), some("payload", use.payload);
   if (use.around) out["around"] = *use.around;
   if (use.frame_pose) out["pose"] = from_pose(*use.frame_pose);
+  if (!use.pose_in.empty()) out["pose_in"] = use.pose_in;
   return out;
 }
 
@@ -129,6 +130,7 @@ program::MoveDefaults to_uses(const Json& j) {
   some("speed", out.speed), some("accel", out.accel), some("blend", out.blend), some("payload", out.payload);
   if (j.contains("around")) out.around = j["around"].get<bool>();
   if (j.contains("pose")) out.frame_pose = to_pose(j["pose"]);
+  if (j.contains("pose_in")) out.pose_in = j["pose_in"].get<std::string>();
   return out;
 }
 

@@ -327,7 +327,7 @@ void Interpreter::execute_value(Task& task, const Step& step) {
     default: {  // here
       if (!arrived(task)) return;
       const MoveDefaults use = task.uses.empty() ? MoveDefaults{} : task.uses.back();
-      Value place = host_.here(use.robot, use.tool, use.frame_pose ? std::string{} : use.frame);
+      Value place = host_.here(use.robot, use.tool, use.named_frame());
       if (use.frame_pose && place.as_point())
         place = data::Point{inverse(*use.frame_pose) * place.as_point()->pose, false};
       slot(task, step.a).fill(std::move(place));

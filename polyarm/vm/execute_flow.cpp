@@ -122,7 +122,8 @@ double end_of_range(double from, double to) {
 /// Registers of a loop: the position, the list or the last number, and its names.
 void Interpreter::begin_for(Task& task, const Step& step) {
   const Statement& s = *source(step).statement;
-  const bool statement = step.d == 1;  // else [… for …]
+  // Else [… for …]. In an included file, names in functions are their own.
+  const bool statement = step.d == 1 && s.name_place.file == 0;
   for (const std::string& name : {s.name, s.second_name})
     if (statement && !name.empty() && host_.find(name))
       fail_at(s.name_place, "shadowing", "there is a '" + name + "' already",

@@ -66,9 +66,11 @@ struct Move {
     std::uint64_t group = 0;  ///< counts from 1; 0: none
     std::size_t members = 0;
   } step;
-  /// The frame, if the program gives it as a value: maps it into the world. `frame` is then only for
-  /// messages.
+  /// The frame, if the program gives it as a value: maps it into the frame `pose_in`; empty: the world.
+  /// `frame` is then only for messages.
   std::optional<Pose> frame_pose;
+  std::string pose_in;
+  const std::string& named_frame() const { return frame_pose ? pose_in : frame; }
   /// For a move in a function: the calls that led to it, as a suffix of messages: "; called from line 7".
   std::string called;
 };

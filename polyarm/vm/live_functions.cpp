@@ -84,11 +84,6 @@ Compliance compliance_of(std::span<const Value> arguments) {
     refuse("'reach' of comply() is above 0 and at most 200mm, here is " + arguments[5].text());
   return out;
 }
-
-/// The name of the frame for the host: none where the program gives the frame as a pose.
-std::string frame_name(const MoveDefaults& use) {
-  return use.frame_pose ? std::string{} : use.frame;
-}
 }  // namespace
 
 Value Interpreter::live_call(const Task& task, const Function& function) {
@@ -148,17 +143,18 @@ Value Interpreter::live_call(const Task& task, const Function& function) {
 
 Value Interpreter::joints_at(const MoveDefaults& use) const {
   Value place = arguments_[0];
-  if (use.frame_pose && place.as_point()) {  // the host takes it in the world
-    data::Point in_world = *place.as_point();
-    in_world.pose = *use.frame_pose * in_world.pose;
-    place = std::move(in_world);
+  const data::Point* const point = place.as_point();
+  if (use.frame_pose && point && point->frame().empty()) {  // the host takes it in the frame around this one
+    data::Point outer = *point;
+    outer.pose = *use.frame_pose * outer.pose;
+    place = std::move(outer);
   }
-  return host_.joints_at(place, arguments_[1].as_joints(), use.robot, use.tool, frame_name(use));
+  return host_.joints_at(place, arguments_[1].as_joints(), use.robot, use.tool, use.named_frame());
 }
 
 Value Interpreter::pose_at(const MoveDefaults& use) const {
   if (!arguments_[0].as_joints()) refuse("fk() takes a joint state, here is " + described(arguments_[0]));
-  Value out = host_.pose_at(*arguments_[0].as_joints(), use.robot, use.tool, frame_name(use));
+  Value out = host_.pose_at(*arguments_[0].as_joints(), use.robot, use.tool, use.named_frame());
   if (use.frame_pose && out.as_point())
     out = data::Point{inverse(*use.frame_pose) * out.as_point()->pose, false};
   return out;

@@ -68,7 +68,11 @@ void take(Target& out, const Clause& clause, const Value& value) {
       break;
     case Kinds::frame:
       out.frame_pose.reset();
-      if (value.as_point()) out.frame_pose = value.as_point()->pose;
+      out.pose_in.clear();
+      if (const data::Point* point = value.as_point()) {
+        out.frame_pose = point->pose;
+        if (point->frame() != "world") out.pose_in = point->frame();
+      }
       out.frame = value.as_point() ? spelled(*clause.value) : name_in(value, clause);
       break;
     case Kinds::speed:
@@ -187,7 +191,8 @@ Move Interpreter::requested_move(Task& task, const Step& step, std::size_t first
                                                                        : Move::Kind::joint;
   out.speed = use.speed, out.accel = use.accel, out.blend = use.blend, out.payload = use.payload;
   out.around = use.around;
-  out.robot = use.robot, out.tool = use.tool, out.frame = use.frame, out.frame_pose = use.frame_pose;
+  out.robot = use.robot, out.tool = use.tool, out.frame = use.frame;
+  out.frame_pose = use.frame_pose, out.pose_in = use.pose_in;
   if (s.moves_base()) {
     const bool turns = s.motion == Motion::turn;
     const Slot& amount = task.stack[first++];

@@ -119,7 +119,8 @@ TEST_F(ProjectTest, APointTaughtInAFrameStandsWhereTheRobotStands) {
   EXPECT_NE(framed["pose"], world["pose"]);
   for (int k = 0; k < 3; ++k)
     EXPECT_NEAR(framed["world"]["p"][k].get<double>(), world["world"]["p"][k].get<double>(), 1e-9);
-  EXPECT_EQ(code({{"request", "points.teach"}, {"name", "C"}, {"frame", "Moon"}}), "unknown-name");
+  EXPECT_EQ(code({{"request", "points.teach"}, {"name", "C"}, {"frame", "Moon"}}), "unknown-frame");
+  EXPECT_EQ(code({{"request", "points.teach"}, {"name", "C"}, {"frame", "Count"}}), "unknown-frame");
 }
 
 TEST_F(ProjectTest, PointsAreShiftedRenamedDeletedAndAllIsTakenBack) {
@@ -259,6 +260,28 @@ TEST_F(ProjectTest, AWayIsLookedAtWithoutMoving) {
       "singular")
       << "the arm is stretched before it is at its end";
   EXPECT_EQ(code({{"request", "plan.preview"}, {"to", "Nowhere"}}), "unknown-name");
+}
+
+TEST_F(ProjectTest, TheBaseIsThatOfTheRobotThatATeachingAPlanAndAMoveName) {
+  cell.reset();
+  folder.write("cell.yaml",
+               "polyarm: cell/1\nrobots:\n  left: {model: " + test::kSixAxes +
+                   ", hardware: mock}\n  right: {model: " + test::kSixAxes +
+                   ", hardware: mock, at: [2, 0, 0], rpy: [0, 0, 90deg]}\nprogram: main.script\n");
+  folder.write("main.script", "load points\n");
+  cell = std::make_unique<LockStepCell>(read_cell_file(folder.path()));
+  cell->run(1);
+  const Json own = {{"request", "points.teach"}, {"name", "Own"}, {"robot", "right"}, {"frame", "base"}};
+  const Json taught = result(own);
+  const Json left = result({{"request", "points.here"}, {"robot", "left"}});
+  for (int k = 0; k < 3; ++k)
+    EXPECT_NEAR(taught["pose"]["p"][k].get<double>(), left["tcp"]["p"][k].get<double>(), 1e-9)
+        << "both stand in the same joints";
+  EXPECT_TRUE(taught["world"].is_null()) << "each robot has its own";
+  EXPECT_EQ(code({{"request", "plan.preview"}, {"robot", "right"}, {"to", "Own"}}), "ok");
+  EXPECT_EQ(code({{"request", "move"}, {"robot", "right"}, {"points", {"Own"}}}), "ok");
+  const Json there = result({{"request", "points.here"}, {"robot", "right"}});
+  EXPECT_NEAR(there["tcp"]["p"][0].get<double>(), 2 - left["tcp"]["p"][1].get<double>(), 1e-4);
 }
 
 TEST_F(ProjectTest, FilesAreReadKeptAsDraftsAndWrittenWithoutLosingAnothersChange) {
