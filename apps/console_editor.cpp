@@ -4,11 +4,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <memory>
 #include <utility>
 
 #include "polyarm/base/file.hpp"
 #include "polyarm/base/text.hpp"
 #include "polyarm/data/file_lookup.hpp"
+#include "polyarm/data/frame_chain.hpp"
 
 namespace polyarm::apps {
 
@@ -334,8 +336,18 @@ void ConsoleEditor::edit() {
   };
   if (const data::JointState* joints = value->as_joints()) {
     data::JointState changed = *joints;
-    for (std::size_t j = 0; j < changed.names.size(); ++j)
-      changed.positions[j] = part(changed.names[j], changed.positions[j], Dimension::angle);
+    std::vector<RobotSource::Joint> known;
+    try {
+      known = robot_.joints();
+    } catch (const Error&) {  // without a robot the units in the file decide
+    }
+    for (std::size_t j = 0; j < changed.positions.size(); ++j) {
+      const std::string joint = j < changed.names.size() ? changed.names[j] : fmt::format("joint {}", j + 1);
+      const auto own =
+          std::find_if(known.begin(), known.end(), [&](const auto& each) { return each.name == joint; });
+      const bool slides = own == known.end() ? changed.given_at(j) == Dimension::length : own->slides;
+      changed.positions[j] = part(joint, changed.positions[j], slides ? Dimension::length : Dimension::angle);
+    }
     set(name, changed);
   } else if (const data::Point* point = value->as_point()) {
     const Vec3 p = point->pose.position, r = to_rpy(point->pose.rotation);
@@ -344,12 +356,33 @@ void ConsoleEditor::edit() {
     const Vec3 rpy{part("roll", r.x, Dimension::angle), part("pitch", r.y, Dimension::angle),
                    part("yaw", r.z, Dimension::angle)};
     const bool turned = rpy.x != r.x || rpy.y != r.y || rpy.z != r.z;
-    set(name, data::Point{{xyz, turned ? from_rpy(rpy.x, rpy.y, rpy.z) : point->pose.rotation},
-                          point->quaternion_given});
+    data::Point changed = *point;  // it stays in its frame, and keeps its tool and robot
+    changed.pose = {xyz, turned ? from_rpy(rpy.x, rpy.y, rpy.z) : point->pose.rotation};
+    if (changed.taught && !(changed.pose == point->pose)) {  // its joints no longer fit
+      auto taught = std::make_shared<data::Taught>(*changed.taught);
+      taught->joints = {};
+      changed.taught = std::move(taught);
+    }
+    set(name, changed);
   } else {
     set(name, ask_value(value->kind(), "New value: "));
   }
   talk_.say(name + " = " + values().value(name)->text());
+}
+
+Value outermost(const Value& value, const data::DataSet& of) {
+  const data::Point* const point = value.as_point();
+  if (!point || point->frame().empty()) return value;
+  const data::FrameChain chain = data::frame_chain(point->frame(), [&](const std::string& name) {
+    const Value* frame = of.value(name);
+    return frame ? frame->as_point() : nullptr;
+  });
+  data::Point out = *point;
+  out.pose = chain.pose * out.pose;
+  auto taught = std::make_shared<data::Taught>(*out.taught);
+  taught->frame = chain.root;
+  out.taught = std::move(taught);
+  return out;
 }
 
 Value ConsoleEditor::value_of(const std::string& file, const std::string& name) {
@@ -363,7 +396,7 @@ Value ConsoleEditor::value_of(const std::string& file, const std::string& name) 
   if (!value)
     throw Error("unknown-name",
                 path->filename().string() + " has no '" + name + "'" + did_you_mean(name, set.names()));
-  return *value;
+  return outermost(*value, set);
 }
 
 void ConsoleEditor::run() {

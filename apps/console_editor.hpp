@@ -23,6 +23,10 @@ struct RobotSource {
   std::function<std::vector<Joint>()> joints;  ///< joints of the cell's robot, or of the selected one
 };
 
+/// A point whose frame is a point of the same values, in the outermost frame of the chain; other values are
+/// unchanged. Throws Error("frame-cycle").
+data::Value outermost(const data::Value& value, const data::DataSet& of);
+
 class ConsoleEditor {
  public:
   ConsoleEditor(Dialogue& talk, RobotSource robot) : talk_(talk), robot_(std::move(robot)) {}

@@ -26,7 +26,10 @@ Json json_of(const data::Value& value, const std::string& name) {
   if (const data::Point* point = value.as_point()) {
     const Vec3& p = point->pose.position;
     const Quaternion& q = point->pose.rotation;
-    return {{"pose", {{"position", {p.x, p.y, p.z}}, {"orientation", {q.x, q.y, q.z, q.w}}}}, {"name", name}};
+    Json out{{"pose", {{"position", {p.x, p.y, p.z}}, {"orientation", {q.x, q.y, q.z, q.w}}}},
+             {"name", name}};
+    if (!point->frame().empty() && point->frame() != "world") out["frame"] = point->frame();
+    return out;
   }
   throw Error("not-a-point", "'" + name + "' is " + data::name(value.kind()) + ", not a point",
               "points are joint states and poses");
@@ -55,7 +58,7 @@ Json ConsoleMove::ask_point(From from, const std::string& called) {
             "unknown-name",
             "the file that is open has no '" + name + "'" + did_you_mean(name, editor_.values().names()),
             "load another in the file editor");
-      return json_of(*value, name);
+      return json_of(outermost(*value, editor_.values()), name);
     }
   }
   return {};

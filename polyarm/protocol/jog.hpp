@@ -110,8 +110,9 @@ struct MoveTo {
       .role = Role::operate,
       .text =
           "Moves to points on one path; with `rests` the robot stops at each point. A point is a name "
-          "from the data of the cell, {joints: …} or {pose: {position, rpy or orientation}}. It may "
-          "have a `duration`: the minimum time of the way to it. `kind` is joint (default) or line. "
+          "from the data of the cell, {joints: …} or {pose: {position, rpy or orientation}}; a pose may "
+          "have a `frame`. A point may have a `duration`: the minimum time of the way to it. `kind` is joint "
+          "(default) or line. "
           "`pace` is a time in s for each rad of the path, `speed` a fraction of the limits. If the "
           "client disconnects, the robot stops on the path.",
       .moves = true};

@@ -98,7 +98,12 @@ moves::MoveTarget target_of(const MoveOwners& cell, const CellRobot& robot, cons
                             const std::string& what) {
   if (point.contains("joints"))
     return {joints_by_name(robot.model, joints_of(point["joints"], robot, what), what), what};
-  if (point.contains("pose")) return {pose_of(point["pose"], what), what};
+  if (point.contains("pose")) {
+    const std::string frame = point.value("frame", "");
+    return {frame_in_world(cell.setup, cell.data.store, frame, &robot, &cell.motions) *
+                pose_of(point["pose"], what),
+            what};
+  }
   const std::string name = point.value("point", "");
   const data::Value* value = cell.data.store.find(name);
   if (!value)
@@ -113,7 +118,7 @@ moves::MoveTarget target_of(const MoveOwners& cell, const CellRobot& robot, cons
 }
 
 void check_keys(const Json& point, const std::string& what) {
-  const std::vector<std::string> known = {"joints", "pose", "point", "name", "duration"};
+  const std::vector<std::string> known = {"joints", "pose", "point", "frame", "name", "duration"};
   int places = 0;
   for (const auto& [key, value] : point.items()) {
     if (std::find(known.begin(), known.end(), key) == known.end())
@@ -123,6 +128,10 @@ void check_keys(const Json& point, const std::string& what) {
       throw Error("bad-argument", "the name of " + what + " is not a text");
     if (key == "point" && !value.is_string())
       throw Error("bad-argument", "the point of " + what + " is not a name");
+    if (key == "frame" && !(value.is_string() && point.contains("pose")))
+      throw Error("bad-argument",
+                  "the frame of " + what + (value.is_string() ? " has no pose" : " is not a name"),
+                  "a frame belongs to a pose: {pose: …, frame: pallet}");
     places += key == "joints" || key == "pose" || key == "point" ? 1 : 0;
   }
   if (places != 1) throw Error("bad-argument", what + " needs one of joints, pose and point");

@@ -451,6 +451,24 @@ TEST_F(MoveRequest, GoesToPointsInFramesWhereTheirFramesPutThem) {
     EXPECT_NEAR(there["position"][k].get<double>(), at["position"][k].get<double>(), 1e-4);
 }
 
+TEST_F(MoveRequest, APoseMayBeInAFrame) {
+  ASSERT_TRUE(move({to(0.4, 0.1)})["ok"].get<bool>());
+  const Json at = cell->result({{"request", "jog.state"}});
+  const Json framed = {{"pose", {{"position", {0, 0, -0.02}}, {"rpy", {0, 0, 0}}}}, {"frame", "arm/tcp"}};
+  ASSERT_TRUE(move({framed})["ok"].get<bool>());
+  const Json there = cell->result({{"request", "jog.state"}});
+  double moved = 0;
+  for (int k = 0; k < 3; ++k)
+    moved = std::hypot(moved, there["position"][k].get<double>() - at["position"][k].get<double>());
+  EXPECT_NEAR(moved, 0.02, 1e-4);
+  Json lost = framed;
+  lost["frame"] = "tabel";
+  EXPECT_EQ(move({lost})["error"]["code"], "unknown-frame");
+  Json joints = to(0, 0);
+  joints["frame"] = "world";
+  EXPECT_EQ(move({joints})["error"]["code"], "bad-argument");
+}
+
 TEST_F(MoveRequest, SeveralPointsAreOnePathUnlessItIsToRestAtEach) {
   const Json points = {to(0.4, 0.1), to(0.6, -0.3), to(0.1, 0.2)};
   EXPECT_EQ(stops({{"points", points}}), 1) << "at the end alone";

@@ -176,6 +176,21 @@ TEST_F(Console, AValueIsEditedPartByPartAndWhatIsNotSaidStays) {
             "Pose: RPY\nName: P\nPoint: 0.1, 0.25, 0.3, 0, 0, 1\nName: Q\nPoint: 1, 1, 1, 0, 0, 0\n");
 }
 
+TEST_F(Console, APointInAFrameKeepsItWhenEditedAndTheRobotGoesWhereTheFrameIs) {
+  write_file_atomically(work / "p.points",
+                        "Pose: RPY\nName: table\nPoint: 0.2, 0.1, 0, 0, 0, 0\nName: P\nPoint: 0.05, 0, 0.2, "
+                        "3.141592653589793, 0, 0; frame = \"table\"\n");
+  const Finished done =
+      told({"1", "2", "1", "p", "16", "P", "",  "",  "0.25", "", "", "", "2", "0",  // edited
+            "3", "6", "p", "P", "10", "L", "P", "0", "0"});
+  EXPECT_TRUE(in_order(done, {"arrived after", "TCP x 250.00 y 100.00 z 250.00 mm", "arrived after",
+                              "TCP x 250.00 y 100.00 z 250.00 mm"}));
+  EXPECT_NE(
+      read_file(work / "p.points").find("Point: 0.05, 0, 0.25, 3.141592653589793, 0, 0; frame = \"table\""),
+      std::string::npos)
+      << read_file(work / "p.points");
+}
+
 TEST_F(Console, TheEndOfTheAnswersEndsItCleanlyAndLosesNothing) {
   const Finished clean = told({"1", "3"});
   EXPECT_EQ(clean.exit_code, 0) << clean.output;
