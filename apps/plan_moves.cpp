@@ -269,6 +269,13 @@ class Reader {
     for (const std::string& joint : places_.robot.chain.names()) {
       const double* position = state.find(joint);
       if (!position) refuse(word, "has no value for " + joint, "it must name every joint of the robot");
+      const Dimension given = state.given_at(static_cast<std::size_t>(position - state.positions.data()));
+      const bool slides = places_.robot.chain.slides(out.size());
+      if (given == (slides ? Dimension::angle : Dimension::length))
+        throw Error("joint-unit",
+                    fmt::format("{} has {} for '{}', which {}", word, polyarm::name(given), joint,
+                                slides ? "slides" : "turns"),
+                    slides ? "write a length, such as 100mm" : "write an angle, such as 30deg");
       out.push_back(*position);
     }
     return out;

@@ -438,8 +438,19 @@ class ImportReader {
            (start == std::string_view::npos ? at : start);
   }
 
+  /// With the units that the numbers were written in.
+  Value joint_state(std::string_view value, const std::vector<double>& n) const {
+    JointState out{format_.joints, n};
+    const auto fields = split_fields(value, ',');
+    for (std::size_t i = 0; i < fields.size(); ++i) {
+      if (parse_number(fields[i])) continue;
+      out.note_given(i, parse_quantity(fields[i], Dimension::angle) ? Dimension::angle : Dimension::length);
+    }
+    return out;
+  }
+
   void store_point(const std::string& line, std::string_view value, const std::vector<double>& n) {
-    if (format_.form == Form::joints) return store(line, Value(JointState{format_.joints, n}));
+    if (format_.form == Form::joints) return store(line, joint_state(value, n));
     const Vec3 position{n[0], n[1], n[2]};
     if (format_.form == Form::rpy)
       return store(line, Value(Point{pose_xyz_rpy(position, {n[3], n[4], n[5]}), false, taught_}));

@@ -241,7 +241,8 @@ class Reader {
       const auto value = joint_number();
       if (!value) return std::nullopt;
       if (named) out.names.push_back(std::move(joint));
-      out.positions.push_back(*value);
+      out.note_given(out.positions.size(), value->dimension);
+      out.positions.push_back(value->value);
     }
     if (!out.names.empty() && out.names.size() != out.positions.size())
       return fail("some joints have names and some do not");
@@ -249,14 +250,14 @@ class Reader {
   }
 
   /// An angle, or a length for a sliding joint.
-  std::optional<double> joint_number() {
+  std::optional<Number> joint_number() {
     skip();
     const auto value = number();
     if (!value) return std::nullopt;
     const Dimension dimension = value->as_number()->dimension;
     if (dimension != Dimension::none && dimension != Dimension::angle && dimension != Dimension::length)
       return fail("a joint has an angle or a length");
-    return value->as_number()->value;
+    return *value->as_number();
   }
 
   std::optional<Value> pose(bool quaternion, int depth) {

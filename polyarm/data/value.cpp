@@ -112,7 +112,13 @@ const char* unit_text(Dimension dimension) {
 const double* JointState::find(std::string_view joint) const {
   const auto at = std::find(names.begin(), names.end(), joint);
   const auto index = static_cast<std::size_t>(at - names.begin());
-  return index < positions.size() ? &positions[index] : nullptr;
+  return at != names.end() && index < positions.size() ? &positions[index] : nullptr;
+}
+
+void JointState::note_given(std::size_t index, Dimension dimension) {
+  if (index >= given.size() && dimension == Dimension::none) return;
+  if (index >= given.size()) given.resize(index + 1, Dimension::none);
+  given[index] = dimension;
 }
 
 bool operator==(const JointState& a, const JointState& b) {

@@ -33,6 +33,13 @@ struct Number {
 struct JointState {
   std::vector<std::string> names;
   std::vector<double> positions;
+  /// The unit in which each position was given: angle, length, or none if it had none. May be shorter than
+  /// `positions`. Whoever knows the joints compares them: a joint that turns takes no length.
+  std::vector<Dimension> given = {};
+  Dimension given_at(std::size_t index) const {
+    return index < given.size() ? given[index] : Dimension::none;
+  }
+  void note_given(std::size_t index, Dimension dimension);
   /// The position of `joint`, or nullptr.
   const double* find(std::string_view joint) const;
   /// Equal if every joint has the same position, in any order.

@@ -96,6 +96,7 @@ Value joints(Values a, Names names) {
   JointState out;
   const bool named = std::any_of(names.begin(), names.end(), [](const auto& n) { return !n.empty(); });
   for (std::size_t i = 0; i < a.size(); ++i) {
+    out.note_given(i, a[i].as_number()->dimension);
     out.positions.push_back(of(a[i]));
     if (!named) continue;
     if (names[i].empty()) refuse("joints() has names for some of its values", "name all of them, or none");
@@ -150,6 +151,8 @@ Value interpolate(Values a, Names) {
             ? (i < last->positions.size() && last->names.empty() ? &last->positions[i] : nullptr)
             : last->find(out.names[i]);
     if (!end) refuse("these two joint states are not of the same joints");
+    if (out.given_at(i) == Dimension::none)
+      out.note_given(i, last->given_at(static_cast<std::size_t>(end - last->positions.data())));
     out.positions[i] += share * (*end - out.positions[i]);
   }
   return out;
@@ -183,7 +186,9 @@ void set_field_of(Value& of, const std::string& field, const Value& value) {
                            {}};
     const Number* n = value.as_number();  // of a slide it is a length
     const Dimension dimension = n && n->dimension == Dimension::length ? Dimension::length : Dimension::angle;
-    out.positions[static_cast<std::size_t>(at - out.names.begin())] = as_field(value, dimension, field);
+    const auto joint = static_cast<std::size_t>(at - out.names.begin());
+    out.positions[joint] = as_field(value, dimension, field);
+    out.note_given(joint, n->dimension);
     of = std::move(out);
     return;
   }

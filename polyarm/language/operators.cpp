@@ -266,8 +266,12 @@ Value field(const Value& of, const std::string& name) {
     if (const auto part = part_of_pose(point->pose, name)) return *part;
     refuse("a pose has x y z rx ry rz, and no '" + name + "'");
   }
-  const double* joint = of.as_joints() ? of.as_joints()->find(name) : nullptr;
-  if (joint) return Number{*joint, Dimension::angle};
+  const data::JointState* const joints = of.as_joints();
+  if (const double* joint = joints ? joints->find(name) : nullptr) {
+    const bool slides =
+        joints->given_at(static_cast<std::size_t>(joint - joints->positions.data())) == Dimension::length;
+    return Number{*joint, slides ? Dimension::length : Dimension::angle};
+  }
   refuse(described(of) + " has no '" + name + "'");
 }
 

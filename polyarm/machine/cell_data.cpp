@@ -109,7 +109,7 @@ void CellData::offer_named_states() {
   for (const auto& robot : setup_.robots)
     for (const auto& [state, positions] : robot->model.named_states)
       store.set(setup_.robots.size() == 1 ? state : robot->entry.name + "_" + state,
-                data::JointState{robot->model.joint_names(), positions}, robot->entry.name);
+                joint_state(robot->model, positions), robot->entry.name);
 }
 
 void CellData::connect_links(Problems& problems) {

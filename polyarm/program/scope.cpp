@@ -172,7 +172,7 @@ void Scope::declare(const std::string& name, Place place, Type type) {
 Type Scope::type_of_field(const Type& of, const std::string& field, Place place) {
   if (!of.kind || *of.kind == Kind::record) return kUnknown;
   if (is_place(*of.kind) && field == "name") return {Kind::text, {}};
-  if (*of.kind == Kind::joints) return number_of(Dimension::angle);
+  if (*of.kind == Kind::joints) return number_of({});  // of a joint that slides it is a length
   if (*of.kind == Kind::pose) {
     for (const char* axis : {"x", "y", "z"})
       if (field == axis) return number_of(Dimension::length);

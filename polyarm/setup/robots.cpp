@@ -439,4 +439,14 @@ moves::Payload load_of(const CellRobot& robot) {
       {robot.entry.payload.mass, robot.entry.payload.center.value_or(robot.tool.tcp.position)});
 }
 
+data::JointState joint_state(const description::RobotModel& model, std::vector<double> positions) {
+  data::JointState out{model.joint_names(), std::move(positions)};
+  for (std::size_t j = 0; j < model.actuated.size(); ++j)
+    out.note_given(
+        j, model.joints[static_cast<std::size_t>(model.actuated[j])].type == description::JointType::prismatic
+               ? Dimension::length
+               : Dimension::angle);
+  return out;
+}
+
 }  // namespace polyarm::cell

@@ -6,6 +6,7 @@
 
 #include "polyarm/catalogue/catalogue.hpp"
 #include "polyarm/controllers/controller.hpp"
+#include "polyarm/data/value.hpp"
 #include "polyarm/description/scene.hpp"
 #include "polyarm/hardware/hardware.hpp"
 #include "polyarm/moves/robot_motion.hpp"
@@ -40,6 +41,9 @@ struct CellRobot {
 
 /// Its tool and its payload together.
 moves::Payload load_of(const CellRobot& robot);
+
+/// A joint state of the robot, in its order: joints by name, with their units.
+data::JointState joint_state(const description::RobotModel& model, std::vector<double> positions);
 
 using CellRobots = std::vector<std::unique_ptr<CellRobot>>;
 

@@ -11,11 +11,31 @@
 
 namespace polyarm::cell {
 
+namespace {
+/// The model's joint turns or slides, and the position was given for the other kind.
+void check_unit(const description::RobotModel& model, std::size_t joint, Dimension given, double position,
+                const std::string& what) {
+  if (given != Dimension::angle && given != Dimension::length) return;
+  const description::Joint& own = model.joints[static_cast<std::size_t>(model.actuated[joint])];
+  const bool slides = own.type == description::JointType::prismatic;
+  if (slides == (given == Dimension::length)) return;
+  throw Error("joint-unit",
+              fmt::format("{} has {} for '{}' of {}, which {}", what, slides ? "an angle" : "a length",
+                          own.name, model.name, slides ? "slides" : "turns"),
+              slides ? fmt::format("write a length, such as {:.0f}mm", 1000 * position)
+                     : "write an angle, such as 30deg");
+}
+}  // namespace
+
 std::vector<double> joints_by_name(const description::RobotModel& model, const data::JointState& joints,
                                    const std::string& what) {
   const std::vector<std::string> names = model.joint_names();
   if (joints.names.empty() && !joints.positions.empty()) {  // in the robot's joint order
-    if (joints.positions.size() == names.size()) return joints.positions;
+    if (joints.positions.size() == names.size()) {
+      for (std::size_t j = 0; j < names.size(); ++j)
+        check_unit(model, j, joints.given_at(j), joints.positions[j], what);
+      return joints.positions;
+    }
     throw Error("missing-joint",
                 fmt::format("{} has {} values, {} has {} joints: {}", what, joints.positions.size(),
                             model.name, names.size(), join(names, ", ")),
@@ -33,6 +53,9 @@ std::vector<double> joints_by_name(const description::RobotModel& model, const d
     if (!position)
       throw Error("missing-joint",
                   fmt::format("{} has no value for the joint '{}' of {}", what, joint, model.name), {});
+    check_unit(model, out.size(),
+               joints.given_at(static_cast<std::size_t>(position - joints.positions.data())), *position,
+               what);
     out.push_back(*position);
   }
   return out;

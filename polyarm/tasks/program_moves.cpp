@@ -491,7 +491,7 @@ data::JointState ProgramMoves::here_joints(const std::string& robot) const {
 
 data::JointState ProgramMoves::here_joints(const std::string& robot, const JointsOf& joints_of) const {
   const std::size_t index = arm_of(robot, {});
-  return {arms_[index].robot.robot->model.joint_names(), joints_of(index)};
+  return joint_state(arms_[index].robot.robot->model, joints_of(index));
 }
 
 data::JointState ProgramMoves::joints_at(const data::Value& place, const data::JointState* near,
@@ -512,9 +512,9 @@ data::JointState ProgramMoves::joints_at(const data::Value& place, const data::J
   const Prepared made = prepare(move, {});
   const CellRobot& own = *arms_[made.arm].robot.robot;
   const moves::MoveTarget& end = made.moves.front().end();
-  if (const auto* joints = std::get_if<std::vector<double>>(&end.at)) return {own.model.joint_names(), *joints};
-  return {own.model.joint_names(), moves::joints_for(made.with ? *made.with : *own.facts, std::get<Pose>(end.at),
-                                                     joints_of(made.arm), end.name)};
+  if (const auto* joints = std::get_if<std::vector<double>>(&end.at)) return joint_state(own.model, *joints);
+  return joint_state(own.model, moves::joints_for(made.with ? *made.with : *own.facts, std::get<Pose>(end.at),
+                                                  joints_of(made.arm), end.name));
 }
 
 data::Value ProgramMoves::pose_at(const data::JointState& joints, const std::string& robot,

@@ -86,7 +86,7 @@ class GuardsTest : public ::testing::Test {
 };
 
 TEST_F(GuardsTest, AMoveStopsOnItsPathBeforeTheContactAndSaysBetweenWhat) {
-  build("movej joints(0.9rad, 0rad, 0rad)\n");
+  build("movej joints(0.9m, 0m, 0m)\n");
   double most = 0;
   for (int i = 0; i < 3000 && failure().empty(); ++i) {
     cell->tick();
@@ -113,7 +113,7 @@ TEST_F(GuardsTest, APointCloudStopsAMove) {
       "nan nan nan\n1e9 0 0\n" +
           points);
   fixtures = "  scan: {cloud: {file: wall.pcd, radius: 10mm}}\n";
-  build("movej joints(0.9rad, 0rad, 0rad)\n");
+  build("movej joints(0.9m, 0m, 0m)\n");
   for (int i = 0; i < 3000 && failure().empty(); ++i) cell->tick();
   ASSERT_EQ(failure(), "guard");
   EXPECT_NE(cell->cell().failure()->problem.what.find("fixture scan"), std::string::npos);
@@ -124,7 +124,7 @@ TEST_F(GuardsTest, APointCloudStopsAMove) {
 /// As for objects of MoveIt's clients.
 TEST_F(GuardsTest, ThingsThatComeLaterStopAMoveToo) {
   fixtures = "  far: {box: [0.1, 0.1, 0.1], at: [9, 0, 0]}\n";
-  build("wait 1s\nmovej joints(0.9rad, 0rad, 0rad)\n");
+  build("wait 1s\nmovej joints(0.9m, 0m, 0m)\n");
   description::Fixture box;
   box.name = "box";
   box.shapes.emplace_back();
@@ -140,7 +140,7 @@ TEST_F(GuardsTest, ThingsThatComeLaterStopAMoveToo) {
 
 /// As for objects that MoveIt's clients attach.
 TEST_F(GuardsTest, WhatIsAttachedToARobotStopsBeforeTheWall) {
-  build("wait 1s\nmovej joints(0.9rad, 0rad, 0rad)\n");  // where the rod would be behind the wall
+  build("wait 1s\nmovej joints(0.9m, 0m, 0m)\n");  // where the rod would be behind the wall
   const description::RobotModel& model = cell->cell().in().setup.robots[0]->model;
   surroundings::AttachedThing rod{"rod", {}, 0, model.tool_link(), {{0.1, 0, 0}, {}}};
   rod.shape.size = {0.2, 0.02, 0.02};
@@ -156,7 +156,7 @@ TEST_F(GuardsTest, WhatIsAttachedToARobotStopsBeforeTheWall) {
 
 TEST_F(GuardsTest, AMoveGoesOnWhenThingsThatCameLaterAreTakenAway) {
   fixtures = "  far: {box: [0.1, 0.1, 0.1], at: [9, 0, 0]}\n";
-  build("movej joints(0.9rad, 0rad, 0rad)\n", "", true);
+  build("movej joints(0.9m, 0m, 0m)\n", "", true);
   description::Fixture box;
   box.name = "box";
   box.shapes.emplace_back();
@@ -174,7 +174,7 @@ TEST_F(GuardsTest, AMoveGoesOnWhenThingsThatCameLaterAreTakenAway) {
 }
 
 TEST_F(GuardsTest, SayWhatIsNearestAndHowFarAPlaceIs) {
-  build("movej joints(0.9rad, 0rad, 0rad)\n");
+  build("movej joints(0.9m, 0m, 0m)\n");
   std::optional<Guards::Near> near;
   double least = 1, slowest = 1;
   for (int i = 0; i < 3000 && failure().empty(); ++i) {
@@ -194,24 +194,24 @@ TEST_F(GuardsTest, SayWhatIsNearestAndHowFarAPlaceIs) {
 }
 
 TEST_F(GuardsTest, WithoutGuardsItGoesThrough) {
-  build("movej joints(0.9rad, 0rad, 0rad)\n", "guards: off\n");
+  build("movej joints(0.9m, 0m, 0m)\n", "guards: off\n");
   cell->run(4);
   EXPECT_NEAR(x(), 0.9, 1e-6);
-  build("movej joints(0.9rad, 0rad, 0rad)\n", "guards: {moves: false}\n");
+  build("movej joints(0.9m, 0m, 0m)\n", "guards: {moves: false}\n");
   cell->run(4);
   EXPECT_NEAR(x(), 0.9, 1e-6);
 }
 
 /// Only the tool may touch: see also LookAhead.AToolThatIsMeantToTouch….
 TEST_F(GuardsTest, ALinkOfTheArmMayNotTouchInAMoveThatIsMeantTo) {
-  build("movej joints(0.5rad, 0rad, 0rad), touch\n");
+  build("movej joints(0.5m, 0m, 0m), touch\n");
   cell->run(4);
   EXPECT_EQ(failure(), "guard") << "the ball is a link of the arm";
 }
 
 TEST_F(GuardsTest, AMoveThatStaysClearTakesAsLongAsWithoutGuards) {
   const auto run = [&](const std::string& more) {
-    build("movej joints(0.42rad, 0rad, 0rad)\nmovej joints(0rad, 0.3rad, 0.1rad)\n", more);
+    build("movej joints(0.42m, 0m, 0m)\nmovej joints(0m, 0.3m, 0.1m)\n", more);
     std::vector<double> out;
     for (int i = 0; i < 2000; ++i) {
       cell->tick();
@@ -223,7 +223,7 @@ TEST_F(GuardsTest, AMoveThatStaysClearTakesAsLongAsWithoutGuards) {
 }
 
 TEST_F(GuardsTest, APersonResumesWhenTheWayIsFreeAndNotBefore) {
-  build("movej joints(0.9rad, 0rad, 0rad)\n", "", true);
+  build("movej joints(0.9m, 0m, 0m)\n", "", true);
   cell->run(4);
   ASSERT_EQ(state(), "held");
   const double there = x();
@@ -325,10 +325,10 @@ TEST_F(GuardsTest, ATrajectoryOfPointsThatReplacesAnotherStopsToo) {
 /// A zone of the reduced profile holds a robot that was planned in the full one.
 TEST_F(GuardsTest, AMoveThatWasPlannedInAnotherProfileStopsBeforeAZoneOfThisOne) {
   const std::string zone = "workspace:\n  near: {plane: [0.3, 0, 0], normal: [-1, 0, 0], profile: reduced}\n";
-  build("movej joints(0.4rad, 0rad, 0rad)\n", zone, true);
+  build("movej joints(0.4m, 0m, 0m)\n", zone, true);
   cell->run(4);
   EXPECT_NEAR(x(), 0.4, 1e-6) << "in the full profile it goes there";
-  build("movej joints(0.4rad, 0rad, 0rad), duration 2s\n", zone, true);
+  build("movej joints(0.4m, 0m, 0m), duration 2s\n", zone, true);
   cell->run(0.6);
   EXPECT_LT(x(), 0.2);
   EXPECT_GT(x(), 0.001);
@@ -349,7 +349,7 @@ TEST_F(GuardsTest, AMoveThatWasPlannedInAnotherProfileStopsBeforeAZoneOfThisOne)
 }
 
 TEST_F(GuardsTest, AMoveIntoAZoneOfItsProfileIsRefused) {
-  build("movej joints(0.4rad, 0rad, 0rad)\n",
+  build("movej joints(0.4m, 0m, 0m)\n",
         "profile: reduced\nworkspace:\n  near: {plane: [0.3, 0, 0], normal: [-1, 0, 0], profile: reduced}\n");
   cell->run(1);
   EXPECT_EQ(failure(), "workspace");
@@ -358,7 +358,7 @@ TEST_F(GuardsTest, AMoveIntoAZoneOfItsProfileIsRefused) {
 
 TEST_F(GuardsTest, AZoneOfBodiesMayBelongToAProfile) {
   fixtures = "  post: {box: [0.1, 0.1, 0.1], at: [5, 0, 0]}\n";
-  build("movej joints(0rad, 0rad, 0.29rad), duration 2s\n",
+  build("movej joints(0m, 0m, 0.29m), duration 2s\n",
         "workspace:\n  roof: {plane: [0, 0, 0.3], normal: [0, 0, -1], of: bodies, profile: reduced}\n", true);
   cell->run(0.5);
   cell->result({{"request", "profile"}, {"name", "reduced"}});
@@ -382,7 +382,7 @@ TEST_F(GuardsTest, ATrajectoryOfPointsStopsBeforeABoundaryOfTheWorkspace) {
 
 TEST_F(GuardsTest, BeyondABoundaryTheProfileIsReduced) {
   fixtures = "  post: {box: [0.1, 0.1, 0.1], at: [5, 0, 0]}\n";
-  build("movej joints(0.4rad, 0rad, 0rad)\nwait 1s\nmovej joints(0rad, 0rad, 0rad)\nwait 2s\n",
+  build("movej joints(0.4m, 0m, 0m)\nwait 1s\nmovej joints(0m, 0m, 0m)\nwait 2s\n",
         "workspace:\n  desk: {plane: [0.2, 0, 0], normal: [-1, 0, 0], beyond: reduced}\n", true);
   EXPECT_EQ(view().profile(), "full");
   double fastest = 0, before = 0;
@@ -401,7 +401,7 @@ TEST_F(GuardsTest, BeyondABoundaryTheProfileIsReduced) {
 }
 
 TEST_F(GuardsTest, WhereContactsAreListedItSaysWhereItWouldStopAndStopsNothing) {
-  build("movej joints(0.427rad, 0.3rad, 0rad)\nmovej joints(0.9rad, 0rad, 0rad)\n", "", false, false, true);
+  build("movej joints(0.427m, 0.3m, 0m)\nmovej joints(0.9m, 0m, 0m)\n", "", false, false, true);
   for (int i = 0; i < 5000 && !cell->cell().finished(); ++i) cell->tick();
   EXPECT_NEAR(x(), 0.9, 1e-6);
   const std::vector<Problem>& found = cell->cell().in().guards->would_stop();
@@ -415,7 +415,7 @@ TEST_F(GuardsTest, WhereContactsAreListedItSaysWhereItWouldStopAndStopsNothing) 
 TEST_F(GuardsTest, AZoneOfBodiesHoldsForTheBallAndNotOnlyForItsMiddle) {
   fixtures = "  post: {box: [0.1, 0.1, 0.1], at: [5, 0, 0]}\n";
   const std::string zone = "workspace:\n  roof: {plane: [0, 0, 0.3], normal: [0, 0, -1], of: bodies}\n";
-  build("movej joints(0rad, 0rad, 0.29rad)\n", zone);
+  build("movej joints(0m, 0m, 0.29m)\n", zone);
   cell->run(3);
   EXPECT_EQ(failure(), "guard");
   EXPECT_LE(z(), 0.3 - kBall + 1e-3);
@@ -425,9 +425,9 @@ TEST_F(GuardsTest, AZoneOfBodiesHoldsForTheBallAndNotOnlyForItsMiddle) {
 TEST_F(GuardsTest, OfTwoRobotsOneWaitsUntilTheOtherHasGone) {
   fixtures = "  post: {box: [0.1, 0.1, 0.1], at: [5, 0, 0]}\n";
   build(
-      "task a\n  use robot left\n  movej joints(0.8rad, 0rad, 0rad)\nend\n"
-      "task b\n  use robot right\n  movej joints(-0.4rad, 0rad, 0rad)\n  wait 1s\n  movej joints(-0.4rad, "
-      "0.6rad, 0rad)\nend\n",
+      "task a\n  use robot left\n  movej joints(0.8m, 0m, 0m)\nend\n"
+      "task b\n  use robot right\n  movej joints(-0.4m, 0m, 0m)\n  wait 1s\n  movej joints(-0.4m, "
+      "0.6m, 0m)\nend\n",
       "", false, true);
   double nearest = 1e9;
   for (int i = 0; i < 5000 && !cell->cell().finished() && failure().empty(); ++i) {
@@ -445,8 +445,8 @@ TEST_F(GuardsTest, OfTwoRobotsOneWaitsUntilTheOtherHasGone) {
 TEST_F(GuardsTest, TwoThatWaitForEachOtherAreNamed) {
   fixtures = "  post: {box: [0.1, 0.1, 0.1], at: [5, 0, 0]}\n";
   build(
-      "task a\n  use robot left\n  movej joints(0.9rad, 0rad, 0rad)\nend\n"
-      "task b\n  use robot right\n  movej joints(-0.9rad, 0rad, 0rad)\nend\n",
+      "task a\n  use robot left\n  movej joints(0.9m, 0m, 0m)\nend\n"
+      "task b\n  use robot right\n  movej joints(-0.9m, 0m, 0m)\nend\n",
       "", false, true);
   double nearest = 1e9;
   for (int i = 0; i < 5000 && failure().empty(); ++i) {
@@ -461,7 +461,7 @@ TEST_F(GuardsTest, TwoThatWaitForEachOtherAreNamed) {
 TEST_F(GuardsTest, RobotsInStepSlowDownTogether) {
   fixtures = "  wall: {box: [0.1, 1, 0.2], at: [0.5, 0, 0]}\n";
   build(
-      "together\n  movej joints(0.9rad, 0rad, 0rad), robot left\n  movej joints(0rad, 0rad, 0.9rad), robot "
+      "together\n  movej joints(0.9m, 0m, 0m), robot left\n  movej joints(0m, 0m, 0.9m), robot "
       "right\nend\n",
       "", true, true);
   for (int i = 0; i < 2000; ++i) {
@@ -475,7 +475,7 @@ TEST_F(GuardsTest, RobotsInStepSlowDownTogether) {
 TEST_F(GuardsTest, OneInStepThatStandsInTheWayOfTheOtherIsNamed) {
   fixtures = "  post: {box: [0.1, 0.1, 0.1], at: [5, 0, 0]}\n";
   build(
-      "together\n  movej joints(1.5rad, 0rad, 0rad), robot left\n  movej joints(0rad, 0.05rad, 0rad), robot "
+      "together\n  movej joints(1.5m, 0m, 0m), robot left\n  movej joints(0m, 0.05m, 0m), robot "
       "right\nend\n",
       "", true, true);
   for (int i = 0; i < 3000 && state() != "held"; ++i) cell->tick();

@@ -162,6 +162,47 @@ class TaughtPoints : public PointFrames {
     std::string numbers;
     for (const double n : {tcp.position.x, tcp.position.y, tcp.position.z, q.x, q.y, q.z, q.w})
       numbers += (numbers.empty() ? "" : ", ") + format_number(n);
+TEST_F(PointFrames, AFrameGivenAsAValueIsInItsOwnFrame) {
+  const std::string points = "Pose: RPY\nName: shelf\nPoint: 0.05, 0, 0.02, 0, 0, 0.3; frame = \"base\"\n";
+  const std::string two =
+      "{left: {model: universal_robots/ur3, hardware: mock}, right: {model: universal_robots/ur3, hardware: "
+      "mock, at: [0.9, 0, 0.1], rpy: [0, 0, 180deg]}}";
+  const Pose base = pose_xyz_rpy({0.9, 0, 0.1}, {0, 0, std::acos(-1)});
+  const Pose shelf = base * pose_xyz_rpy({0.05, 0, 0.02}, {0, 0, 0.3});
+  const std::string use = "use robot right\nlet f = shelf\nuse frame f\n";
+  run(points, use + "movej pose(250mm, 100mm, 150mm, 3rad)\n", two);
+  expect_tcp(shelf * pose_xyz_rpy({0.25, 0.1, 0.15}, {3, 0, 0}), 1);
+  run(points, use + "moveto pose(250mm, 100mm, 150mm, 3rad)\nmovel offset(here(), z = 20mm)\n", two);
+  expect_tcp(shelf * pose_xyz_rpy({0.25, 0.1, 0.17}, {3, 0, 0}), 1);
+  run(points, use + "movej ik(pose(250mm, 100mm, 150mm, 3rad), here_joints())\n", two);
+  expect_tcp(shelf * pose_xyz_rpy({0.25, 0.1, 0.15}, {3, 0, 0}), 1);
+}
+
+TEST_F(PointFrames, ALengthForAJointThatTurnsIsRefusedAndAnAngleForOneThatSlides) {
+  const auto code = [this](const std::string& points, const std::string& program, const std::string& robots) {
+    run(points, program, robots);
+    return cell->failure() ? cell->failure()->problem.code + ": " + cell->failure()->problem.what : "moved";
+  };
+  const std::string scara = "{arm: {model: denso/hsr065a1_n32, hardware: mock}}";
+  EXPECT_EQ(code("", "movej joints(0, -90deg, 100mm, 0, 0, 0)\n", kUr3),
+            "joint-unit: joints(0, …) has a length for 'elbow_joint' of ur3, which turns");
+  EXPECT_EQ(code("", "movej joints(10deg, 20deg, 100mm, 5deg)\n", scara), "moved");
+  EXPECT_NE(code("", "movej joints(joint_2 = 0, joint_1 = 0, joint_3 = 5deg, joint_4 = 0)\n", scara)
+                .find("has an angle for 'joint_3'"),
+            std::string::npos);
+  EXPECT_NE(code("", "let now = here_joints()\nmovej now with joint_1 = 100mm\n", scara)
+                .find("has a length for 'joint_1'"),
+            std::string::npos);
+  const std::string in_file = "JS: joint_1 joint_2 joint_3 joint_4\nName: p\nPoint: 0, 10deg, 5deg, 0\n";
+  EXPECT_NE(code(in_file, "movej p\n", scara).find("p has an angle for 'joint_3'"), std::string::npos);
+  EXPECT_EQ(
+      code("JS: joint_1 joint_2 joint_3 joint_4\nName: p\nPoint: 0, 0.1, 0.05, 0\n", "movej p\n", scara),
+      "moved")
+      << "numbers without a unit are rad and m";
+  EXPECT_EQ(code("", "let j = here_joints()\nmovej j with joint_3 = j.joint_3 + 20mm\n", scara), "moved")
+      << "a joint that slides has a length";
+}
+
     return "Pose: Quaternion\nName: p\nPoint: " + numbers + "; tool = \"suction_cup\", robot = \"" + robot +
            "\", joints = joints(" + by_name + ")\n";
   }

@@ -167,6 +167,7 @@ export const codes = {
   'told.no-axis': 'The axis does not exist',
   'told.drops-part': 'It would drop the part that it holds',
   'told.missing-joint': 'A joint is missing',
+  'told.joint-unit': 'A joint that turns has a length, or one that slides an angle',
   'told.wrong-size': 'The number of values is wrong',
   'told.too-many-joints': 'The robot has too many joints',
   // points and data

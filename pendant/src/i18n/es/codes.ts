@@ -165,6 +165,7 @@ export const codes: Record<keyof typeof en, string> = {
   'told.no-axis': 'El eje no existe',
   'told.drops-part': 'Soltaría la pieza que sujeta',
   'told.missing-joint': 'Falta un eje',
+  'told.joint-unit': 'Un eje que gira tiene una longitud, o uno que se desliza un ángulo',
   'told.wrong-size': 'El número de valores no es correcto',
   'told.too-many-joints': 'El robot tiene demasiados ejes',
   // points and data
