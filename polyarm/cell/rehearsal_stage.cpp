@@ -233,6 +233,7 @@ void Stage::report_failure(const program::TaskStatus& status) {
   if (std::find(own.begin(), own.end(), status.problem->code) != own.end()) return;
   Problem problem = *status.problem;
   bool known = of_cell_.contains(problem.what) || values_known({status.where, calls_at(status.where), {}});
+  if (problem.code == "no-table") known = false;  // another program may write it before the run
   if (problem.code == "too-deep") known = known && certainty().conditions_known();
   if (supposed_.kept && !known) {
     if (supposed_.only_tried || problem.code != "zero") return;

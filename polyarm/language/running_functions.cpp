@@ -107,13 +107,12 @@ void add_belt_functions(std::vector<Function>& out) {
           {{"belt", W::text, {}}, {"pose", W::pose, {}}}, Kind::boolean, Live::add_part);
 }
 
-/// Tables in files.
+/// Tables in files. As for data files, what is in one now counts in `check`.
 void add_table_functions(std::vector<Function>& out) {
   add(out, "rows_of", "rows_of(file)",
       "the rows of a table in the folder of the cell, such as a CSV: records if its first line names the "
       "columns, else lists",
-      {{"file", W::text, {}}}, Kind::list, {}, Live::rows_of)
-      .open = true;
+      {{"file", W::text, {}}}, Kind::list, {}, Live::rows_of);
 }
 
 /// Lines of text over streams.

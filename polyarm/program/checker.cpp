@@ -115,11 +115,13 @@ class Checker {
   void apart(const Statement& s) {
     const std::size_t outer = scope_.variables.size();
     if (s.kind == Statements::function) {
+      scope_.in_function = true;
       for (const Parameter& parameter : s.parameters) {
         const Type type = parameter.value ? infer(*parameter.value) : kUnknown;
         scope_.declare(parameter.name, parameter.place, type.kind && is_place(type) ? kUnknown : type);
       }
       block(s.body);
+      scope_.in_function = false;
     }
     if (s.kind == Statements::task || s.kind == Statements::test) block(s.body);
     if (s.kind == Statements::trap) check_trap(s);

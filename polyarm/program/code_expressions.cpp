@@ -204,7 +204,7 @@ void CodeWriter::each(const Expression& e, Operand to) {
   const bool counted = !e.names.empty(), range = e.parts.size() > 2;
   const int slot = height();
   for (const std::string& name : {counted ? e.names.front() : std::string{}, e.name})
-    if (!name.empty()) add(Op::check_new, e.place, {.a = text(name)});
+    if (!name.empty() && e.place.file == 0) add(Op::check_new, e.place, {.a = text(name)});
   {
     const Temporaries ends(*this);
     push(*e.parts[1]);

@@ -5,7 +5,8 @@ namespace polyarm::program {
 
 void Compiler::let(const Statement& s, bool top) {
   const Temporaries inner(*this);
-  add(Op::check_new, s.name_place, {.a = text(s.name)});
+  // In an included file only functions are not `top`, and their names are their own.
+  if (top || s.name_place.file == 0) add(Op::check_new, s.name_place, {.a = text(s.name)});
   if (top) {
     const int slot = globals_.at(s.name);
     const Operand from = read(*s.expression);

@@ -155,13 +155,21 @@ std::string Scope::where_made(const std::string& name, Place seen_from) const {
   return defined == defined_.end() ? std::string{} : ", " + in_line_of(defined->second, true);
 }
 
+/// True for a name that may be the same as one of another file. The author of an included file does not know
+/// the names of the programs that include it: those in a library, and the parameters and other names in
+/// functions, are its own.
+bool Scope::is_own_name(const std::string& name, Place place) const {
+  if (place.file == 0) return false;
+  const std::string& file = program_.included[static_cast<std::size_t>(place.file) - 1].file;
+  if (file.starts_with(kLibraryPrefix)) return true;
+  if (!in_function) return false;
+  const auto at = places_.find(name);
+  return at == places_.end() || at->second.empty() || variables[at->second.back()].place.file != place.file;
+}
+
 void Scope::declare(const std::string& name, Place place, Type type) {
   if (name.empty()) return;
-  // The names in a library are its own: a program and its data may have the same.
-  const bool in_library =
-      place.file > 0 &&
-      program_.included[static_cast<std::size_t>(place.file) - 1].file.starts_with(kLibraryPrefix);
-  if (!in_library && (local(name) || names.contains(name)))
+  if (!is_own_name(name, place) && (local(name) || names.contains(name)))
     error("shadowing", place, "there is a '" + name + "' already" + where_made(name, place),
           "choose another name, or change it with `set`");
   used.emplace(name, place);

@@ -59,6 +59,7 @@ class Scope {
   std::set<std::string> made;         ///< names that lines such as `set NAME True` will create
   std::map<std::string, Place> used;
   std::vector<Variable> variables;  ///< the innermost last
+  bool in_function = false;         ///< the statement under check belongs to a function
   /// Ends all but the first `keep` variables.
   void forget(std::size_t keep);
   std::vector<const Statement*> functions;
@@ -78,6 +79,7 @@ class Scope {
   Type infer_call(const Expression& e);
   Type infer_builtin(const Expression& e, const Function& function, const std::vector<Type>& arguments);
 
+  bool is_own_name(const std::string& name, Place place) const;
   std::string suggested(const std::string& name) const;
   std::string where_made(const std::string& name, Place seen_from) const;
 

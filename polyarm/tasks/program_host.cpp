@@ -178,7 +178,7 @@ data::List ProgramHost::rows_of(const std::string& file) {
 data::List rows_in(const std::filesystem::path& folder, const std::string& file) {
   std::error_code unknown;
   if (!file.empty() && !std::filesystem::exists(folder / file, unknown) && !unknown)
-    throw Error("no-file",
+    throw Error("no-table",
                 "there is no file '" + file + "'" +
                     did_you_mean(std::filesystem::path(file).filename().string(),
                                  data::file_names_in((folder / file).parent_path())),

@@ -383,5 +383,27 @@ TEST_F(Mistakes, WhoWaitsForWhatAnotherProgramWritesIsToldOfLiveFiles) {
   EXPECT_EQ(waiting(folder, "", "if Ready\n  set Ready = true\nend\n"), "check what should set these tags");
 }
 
+TEST_F(Mistakes, ATableIsReadWhereACheckFollowsTheProgram) {
+  cell("", "program: go.script\n");
+  folder.write("parts.csv", "name;x\nlid;12mm\nbox;40mm\n");
+  folder.write("go.script", "let rows = rows_of(\"parts.csv\")\nlog(rows[2].name)\nlog(rows[3].name)\n");
+  Problem found = check(folder.path(), {}, description::Catalogue({}), {}).problems.at(0);
+  EXPECT_EQ(found.severity, Severity::error) << found.text();
+  EXPECT_EQ(found.where.line, 3) << found.text();
+  folder.write("go.script", "for row in rows_of(\"orders.csv\")\n  log(row)\nend\n");
+  found = check(folder.path(), {}, description::Catalogue({}), {}).problems.at(0);
+  EXPECT_EQ(found.code, "no-table") << found.text();
+  EXPECT_EQ(found.severity, Severity::warning) << "another program may write it before the run";
+}
+
+TEST_F(Mistakes, AJointThatTurnsTakesNoLength) {
+  cell("", "program: go.script\n");
+  folder.write("go.script", "movej joints(0, -30deg, 60mm, 0, 60deg, 0)\n");
+  const Problem found = check(folder.path(), {}, description::Catalogue({}), {}).problems.at(0);
+  EXPECT_EQ(found.code, "joint-unit") << found.text();
+  EXPECT_EQ(found.severity, Severity::error);
+  EXPECT_EQ(found.where.line, 1);
+}
+
 }  // namespace
 }  // namespace polyarm::cell

@@ -224,6 +224,7 @@ export const codes = {
   'told.bad-image': 'The image is not taken',
   'told.bad-offset': 'A piece of the file is missing: upload it again',
   'told.no-file': 'The file does not exist',
+  'told.no-table': 'The file of the table does not exist',
   'told.unknown-file': 'The file does not exist',
   'told.no-folder': 'The folder does not exist',
   'told.missing-key': 'A key is missing in a file',

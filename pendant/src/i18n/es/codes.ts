@@ -222,6 +222,7 @@ export const codes: Record<keyof typeof en, string> = {
   'told.bad-image': 'La imagen no se acepta',
   'told.bad-offset': 'Falta un trozo del archivo: súbalo de nuevo',
   'told.no-file': 'El archivo no existe',
+  'told.no-table': 'El archivo de la tabla no existe',
   'told.unknown-file': 'El archivo no existe',
   'told.no-folder': 'La carpeta no existe',
   'told.missing-key': 'Falta una clave en un archivo',
