@@ -92,6 +92,12 @@ NamedJoint read_joint(const Yaml& yaml, Problems& problems) {
   out.parent = yaml.required("parent").text();
   out.child = yaml.required("child").text();
   out.joint.origin = yaml.pose();
+  if (yaml.has("rpy")) {
+    const std::vector<Yaml> angles = yaml["rpy"].items();  // pose() has checked that they are three
+    Vec3 rpy{angles[0].number(Dimension::angle), angles[1].number(Dimension::angle),
+             angles[2].number(Dimension::angle)};
+    if (settle_angles(rpy)) out.joint.origin.rotation = from_rpy(rpy.x, rpy.y, rpy.z);
+  }
   if (yaml.has("xyz")) place(yaml["xyz"]);
   if (yaml.has("axis")) out.joint.axis = read_axis(yaml["axis"]);
   read_joint_facts(yaml, out.joint);

@@ -231,6 +231,40 @@ std::array<double, 6> rotated(const Quaternion& q, const Vec3& d) {
 
 }  // namespace
 
+namespace {
+/// The number of decimals of the shortest text that gives the same value.
+int decimals_of(double value) {
+  const std::string text = format_number(value);
+  const auto point = text.find('.');
+  if (point == std::string::npos || text.find('e') != std::string::npos) return 0;
+  return static_cast<int>(text.size() - point - 1);
+}
+
+bool settle_angle(double& angle) {
+  constexpr double kStep = 0.25 * std::numbers::pi, kWithin = 1e-5;
+  const double exact = kStep * std::round(angle / kStep), change = std::abs(angle - exact);
+  if (exact == 0 || change == 0 || change > kWithin) return false;
+  const int decimals = decimals_of(angle);
+  if (decimals < 4 || decimals > 9 || change > std::pow(10, -decimals)) return false;
+  angle = exact;
+  return true;
+}
+
+void note_settled(RobotModel& model, const std::vector<NamedJoint>& joints) {
+  std::vector<std::string> names;
+  for (const NamedJoint& joint : joints)
+    if (joint.settled) names.push_back(joint.joint.name);
+  if (!names.empty())
+    model.provenance.notes.push_back("rounded angles became exact multiples of 45 deg at " +
+                                     join(names, ", "));
+}
+}  // namespace
+
+bool settle_angles(Vec3& rpy) {
+  const bool x = settle_angle(rpy.x), y = settle_angle(rpy.y), z = settle_angle(rpy.z);
+  return x || y || z;
+}
+
 bool tie_together(RobotModel& model, std::vector<NamedJoint> joints, const Location& file, Problems& problems,
                   Problems& warnings) {
   if (model.links.empty()) {
@@ -245,6 +279,7 @@ bool tie_together(RobotModel& model, std::vector<NamedJoint> joints, const Locat
     model.links[static_cast<std::size_t>(joints[i].joint.child_link)].parent_joint = static_cast<int>(i);
     model.joints.push_back(joints[i].joint);
   }
+  note_settled(model, joints);
   find_mimicked(model, joints, warnings);
   shorten_mimic_rows(model, joints, warnings);
   for (std::size_t i = 0; i < model.joints.size(); ++i) {

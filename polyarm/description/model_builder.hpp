@@ -13,6 +13,12 @@ struct NamedJoint {
   Location where;
 };
 
+/// Files write pi/2 as 1.5708. Then axes that are parallel or meet by design do not: an arm with five axes
+/// misses a tool that points straight down, and closed forms do not apply. An angle with 4 to 9 decimals that
+/// is a multiple of pi/4 rounded or cut to them, within 1e-5 rad, becomes this multiple. Values with more
+/// digits, such as those of a calibration, stay. Returns true if an angle changed.
+bool settle_angles(Vec3& rpy);
+
 /// Connects joints and links: checks names, finds the root, sorts parents before children (otherwise in the
 /// file's order), and fills parent_joint, mimic and actuated. Adds the faults: unknown or duplicate names
 /// (with the nearest name), a link with two parents, several roots, cycles. A <mimic> that cannot be followed

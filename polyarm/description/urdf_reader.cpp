@@ -292,7 +292,11 @@ class UrdfReader : private XmlReader {
       else
         error(e, "missing-tag", "the joint '" + out.joint.name + "' has no <" + tag + ">");
     }
-    out.joint.origin = origin(e);
+    if (const XMLElement* origin = e.FirstChildElement("origin")) {
+      Vec3 rpy = vector(*origin, "rpy", {});
+      settle_angles(rpy);
+      out.joint.origin = pose_xyz_rpy(vector(*origin, "xyz", {}), rpy);
+    }
     axis(e, out.joint);
     limits(e, out.joint);
     soft_limits(e, out.joint);

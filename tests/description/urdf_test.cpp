@@ -4,7 +4,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
+#include "polyarm/base/text.hpp"
 #include "tests/description/support.hpp"
 
 namespace polyarm::description::urdf_test {
@@ -348,6 +350,20 @@ TEST(Urdf, RefusesElementsNestedWithoutEnd) {
 TEST(Urdf, NormalisesAnAxisThatIsNotUnit) {
   const RobotModel model = read(links_and(joint("j", "a", "b", "<axis xyz=\"0 3 4\"/>")));
   test::expect_near(model.joints[0].axis, {0, 0.6, 0.8}, 1e-15);
+}
+
+TEST(Urdf, SettlesAnglesThatAreRoundedMultiplesOfAnEighthOfATurn) {
+  const auto turned = [](const std::string& rpy) {
+    return read(links_and(joint("j", "a", "b", "<origin rpy=\"" + rpy + "\"/>")));
+  };
+  const double pi = std::numbers::pi;
+  const RobotModel settled = turned("-1.5708 0.7854 3.14159");
+  EXPECT_EQ(settled.joints[0].origin.rotation, from_rpy(-pi / 2, pi / 4, pi));
+  EXPECT_TRUE(settled.provenance.notes.empty()) << "they are no doubts about facts: such an arm is armed";
+  // A coarser number, one that is cut farther from it, one of a calibration, and another angle.
+  for (const double other : {1.571, 1.5707, 1.5707995218837, 1.5711, 3.92, 0.00001})
+    EXPECT_EQ(turned(format_number(other) + " 0 0").joints[0].origin.rotation, from_rpy(other, 0, 0))
+        << other;
 }
 
 TEST(Urdf, TakesXForAnAxisThatIsNotStated) {

@@ -18,7 +18,7 @@ namespace {
 
 constexpr const char* kSearched[] = {"rethink_robotics/sawyer", "flexiv/rizon_4",
                                      "kawada/nextage_open_left_arm"};
-constexpr const char* kNotIdeal[] = {"kinova/gen3_7dof", "ufactory/xarm_7"};
+constexpr const char* kByValues[] = {"ufactory/xarm_7", "franka/fr3"};
 
 Chain chain_of(const std::string& name) {
   const auto model = description::Catalogue({POLYARM_SOURCE_DIR "/robots"}).load(name);
@@ -98,9 +98,17 @@ TEST(SelfMotion, TheNearestOfASearchedArmIsExactInsideLimitsAndNoFurtherThanWhat
 }
 
 TEST(SelfMotion, SoIsThatOfAnArmThatIsNotQuiteIdeal) {
-  for (const char* name : kNotIdeal) {
+  const Compared found = compare("kinova/gen3_7dof", 400, {});
+  EXPECT_LE(found.further, 2);
+  EXPECT_GT(found.gained, 0.01);
+}
+
+/// The nearest of arms that are solved at values of their last axis, some side by side, is rarely another
+/// one.
+TEST(SelfMotion, ThatOfAnArmSolvedAtValuesOfAnAxisIsSeldomFurther) {
+  for (const char* name : kByValues) {
     const Compared found = compare(name, 400, {});
-    EXPECT_LE(found.further, 2) << name;
+    EXPECT_LE(found.further, 12) << name;
     EXPECT_GT(found.gained, 0.01) << name;
   }
 }
