@@ -138,10 +138,14 @@ void go_through(Stage& stage, const std::shared_ptr<program::Compiled>& compiled
       if (result.state == program::TaskState::failed) stage.report_failure(interpreter.overview());
       break;
     }
-    if (result.executed > 0)
+    if (result.executed > 0) {
       helper.went_on();
-    else if (!helper.help(interpreter.status()))
-      step = kMostSteps;
+    } else if (!helper.help(interpreter.status())) {
+      if (const auto pulse = interpreter.next_pulse_end())
+        stage.wait_until(*pulse);
+      else
+        step = kMostSteps;
+    }
     if (std::exchange(events, stage.events()) != stage.events()) quiet = 0;
     if (quiet >= kEndlessSteps) {
       stage.report_endless(interpreter.overview().where, kEndlessSteps * kStatements);

@@ -72,6 +72,7 @@ class ProgramHost : public program::Host {
     Observer* observer = nullptr;
     const Nanoseconds* now = nullptr;
     std::uint64_t seed = 0;  ///< of random()
+    bool keeps_events = false;  ///< a PLC
     ForceReadings* force = nullptr;
     Belts* belts = nullptr;
     Streams* streams = nullptr;
@@ -140,6 +141,7 @@ class ProgramHost : public program::Host {
   bool standing() const override { return !c_.standing || c_.standing(); }
   void hold(const std::string& reason, const Location& where) override;
 
+  bool keeps_events() const override { return c_.keeps_events; }
   /// True while a move of this task is running.
   bool moving() const { return c_.moves && c_.moves->moving(); }
 

@@ -57,7 +57,10 @@ void Programs::load(Problems& problems) {
   for (const FileBreakpoints& each : setup_.options.breakpoints) keep_breakpoints(each);
   loaded_ = load_programs(setup_.file, data_.signals(), data_.files(), data_.store, problems, connect,
                           setup_.options.read);
-  if (loaded_.plc) plc_ = std::make_unique<Task>("plc", std::move(*loaded_.plc), context("plc"));
+  if (!loaded_.plc) return;
+  ProgramHost::Context context = this->context("plc");
+  context.keeps_events = true;
+  plc_ = std::make_unique<Task>("plc", std::move(*loaded_.plc), std::move(context));
 }
 
 void Programs::start_loaded(Problems& problems) {

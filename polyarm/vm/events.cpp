@@ -109,6 +109,12 @@ void Interpreter::pulse(Task& task, const Step& step) {
   pulses_.push_back({name, host_.now() + length, where});
 }
 
+std::optional<Nanoseconds> Interpreter::next_pulse_end() const {
+  std::optional<Nanoseconds> out;
+  for (const Pulse& pulse : pulses_) out = std::min(out.value_or(pulse.until), pulse.until);
+  return out;
+}
+
 void Interpreter::end_pulses() {
   for (std::size_t i = 0; i < pulses_.size();) {
     if (host_.now() < pulses_[i].until) {

@@ -198,6 +198,8 @@ class Host {
   /// Holds the cell as a person would; only a person resumes it. The program is not stepped meanwhile.
   virtual void hold(const std::string& reason, const Location& where);
   virtual void log(const std::string& text, const Location& where) = 0;
+  /// True for a PLC: its `when` and `every` blocks go on after its last line.
+  virtual bool keeps_events() const { return false; }
 };
 
 }  // namespace polyarm::program

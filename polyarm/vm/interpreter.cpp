@@ -256,7 +256,11 @@ void Interpreter::step_whens() {
 void Interpreter::finish_when_all_have() {
   const bool all = std::all_of(tasks_.begin(), tasks_.end(),
                                [](const auto& task) { return !task->shown || task->over(); });
-  if (all && watches_.empty() && pulses_.empty()) end_program(TaskState::finished);
+  if (!all || !watches_.empty() || !pulses_.empty()) return;
+  const bool beside = std::any_of(tasks_.begin(), tasks_.end(), [](const auto& task) {
+    return task->apart && !task->shown && !task->over();
+  });
+  if (!beside || !host_.keeps_events()) end_program(TaskState::finished);
 }
 
 void Interpreter::end_program(TaskState outcome) {

@@ -93,6 +93,8 @@ class Interpreter {
   /// Ends the pulses whose time has passed; step() does so, too. Call it in each tick in which the program is
   /// not stepped.
   void end_pulses();
+  /// The time at which the next pulse ends; empty: there is none.
+  std::optional<Nanoseconds> next_pulse_end() const;
   /// Ends the program as stopped; the host ends what the program had requested. Its `on stop` block is still
   /// stepped.
   void stop();

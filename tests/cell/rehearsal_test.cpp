@@ -461,6 +461,14 @@ TEST(Rehearsal, WaitsOfATogetherAreFollowed) {
   EXPECT_EQ(first("wait Ready").rfind("E5 unreachable", 0), 0u) << first("wait Ready");
 }
 
+TEST(Rehearsal, AProgramThatEndsInAPulseIsFollowedToItsEnd) {
+  const Found found =
+      checked(kBend + "pulse Ready for 500ms\nmovel offset(start, z = -50mm)\npulse Ready for 1s\n",
+              "signals: tags.yaml\n");
+  EXPECT_EQ(found.texts, "");
+  EXPECT_TRUE(found.result.reached.file.empty()) << found.result.reached.text();
+}
+
 TEST(Rehearsal, AnErrorThatEveryRunRaisesIsOne) {
   EXPECT_EQ(checked("try\n  raise \"a\"\non error e\n  retry 3\nend\n").texts, "E2 user a\n");
   EXPECT_EQ(checked("together\n  log(1)\n  raise \"b\"\nend\n").texts, "E3 user b\n");

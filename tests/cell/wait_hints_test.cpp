@@ -115,5 +115,11 @@ TEST_F(Waits, AProgramThatGoesRoundWithoutEndEndsTheRun) {
   EXPECT_NE(told.what.find("loops forever"), std::string::npos) << told.text();
 }
 
+TEST_F(Waits, APlcOfBlocksAloneGoesOnAfterItsLastLine) {
+  EXPECT_EQ(failure("wait Go timeout 1s\n", "every 100ms\n  set Go = true\nend\n").text(), Problem{}.text());
+  const std::string plc = "let turns = 0\nwhen Go\n  set Go = false\nend\nset turns = 1\n";
+  EXPECT_EQ(failure("wait 500ms\nset Go = true\nwait not Go timeout 1s\n", plc).text(), Problem{}.text());
+}
+
 }  // namespace
 }  // namespace polyarm::cell
