@@ -98,6 +98,9 @@ class Stage : public program::Host {
   data::JointState here_joints(const std::string& robot) const override;
   data::JointState joints_at(const data::Value& place, const data::JointState* near, const std::string& robot,
                              const std::string& tool, const std::string& frame) const override;
+  data::Point in_world(const data::Point& point) const override {
+    return moves_ ? moves_->in_world(point) : point;
+  }
   data::Value pose_at(const data::JointState& joints, const std::string& robot, const std::string& tool,
                       const std::string& frame) const override;
   /// Nothing touches here: until conditions of force do not come.

@@ -359,8 +359,10 @@ std::vector<Function> all_functions() {
         {{"p", W::pose, {}}}, Kind::pose, {}, &inverse_of);
   gives("distance", "distance(a, b)", "the length between two poses",
         {{"a", W::pose, {}}, {"b", W::pose, {}}}, Kind::number, Dimension::length, &distance);
+  out.back().one_frame = true;
   gives("interpolate", "interpolate(a, b, share)", "what lies between two poses or joint states, 50% halfway",
         {{"a", W::place, {}}, {"b", W::place, {}}, {"share", W::scalar, {}}}, Kind::pose, {}, &interpolate);
+  out.back().one_frame = true;
   gives("pallet", "pallet(a, b, c, rows, cols, layers, height)",
         "a list of poses: from a to b the columns, from a to c the rows, upwards the layers",
         {{"a", W::pose, {}},
@@ -372,6 +374,7 @@ std::vector<Function> all_functions() {
          {"height", W::length, 0.0}},
         Kind::list, {}, &pallet);
   out.back().series = &places_of_pallet;
+  out.back().one_frame = true;
   gives("here", "here()",
         "where the tool centre point is; waits until the robot has arrived. In the condition of "
         "an `until` it is where the tool is now",

@@ -72,6 +72,7 @@ struct Function {
   Series (*series)(std::span<const Value> arguments) = nullptr;
   Live live = Live::none;  ///< the running program executes it; `call` is null
   bool waits = false;      ///< a live function that waits until queued motion has arrived
+  bool one_frame = false;  ///< it compares poses, which must be in one frame
   bool open = false;       ///< a live function whose result differs between runs of one program
 };
 

@@ -108,6 +108,9 @@ class ProgramHost : public program::Host {
   data::JointState here_joints(const std::string& robot) const override;
   data::JointState joints_at(const data::Value& place, const data::JointState* near, const std::string& robot,
                              const std::string& tool, const std::string& frame) const override;
+  data::Point in_world(const data::Point& point) const override {
+    return c_.moves ? c_.moves->in_world(point) : point;
+  }
   data::Value pose_at(const data::JointState& joints, const std::string& robot, const std::string& tool,
                       const std::string& frame) const override;
   std::array<double, 6> wrench(const std::string& robot) override;
@@ -138,10 +141,10 @@ class ProgramHost : public program::Host {
     c_.observer->on_log(now(), c_.task, text);
   }
 
+  bool keeps_events() const override { return c_.keeps_events; }
   bool standing() const override { return !c_.standing || c_.standing(); }
   void hold(const std::string& reason, const Location& where) override;
 
-  bool keeps_events() const override { return c_.keeps_events; }
   /// True while a move of this task is running.
   bool moving() const { return c_.moves && c_.moves->moving(); }
 

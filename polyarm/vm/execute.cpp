@@ -6,6 +6,7 @@
 
 #include "polyarm/base/quantity.hpp"
 #include "polyarm/base/text.hpp"
+#include "polyarm/data/point_frames.hpp"
 #include "polyarm/language/functions.hpp"
 #include "polyarm/language/operators.hpp"
 #include "polyarm/language/text_functions.hpp"
@@ -403,6 +404,25 @@ namespace {
 constexpr std::size_t kStepsOfAListItem = 8;
 }  // namespace
 
+/// A pose without a frame is in the frame in use. Beside one that has a frame it is converted: otherwise
+/// their numbers would be compared although they count from different places.
+void Interpreter::use_one_frame(const Task& task, std::span<Value> arguments) const {
+  const MoveDefaults use = task.uses.empty() ? MoveDefaults{} : task.uses.back();
+  const std::string& frame = use.named_frame();
+  if (!use.frame_pose && (frame.empty() || frame == "world")) return;
+  const auto framed = [](const Value& value) {
+    return value.as_point() && !value.as_point()->frame().empty();
+  };
+  if (std::none_of(arguments.begin(), arguments.end(), framed)) return;
+  for (Value& value : arguments) {
+    if (!value.as_point() || framed(value)) continue;
+    data::Point point = *value.as_point();
+    if (use.frame_pose) point.pose = *use.frame_pose * point.pose;
+    const Quaternion axes = use.frame_pose ? use.frame_pose->rotation : Quaternion{};
+    value = host_.in_world(data::converted(std::move(point), frame.empty() ? "world" : frame, axes));
+  }
+}
+
 bool Interpreter::call_function(Task& task, const Step& step) {
   const Function& function = functions()[step.more];
   require_values(task, step, step.b, step.c);
@@ -412,6 +432,7 @@ bool Interpreter::call_function(Task& task, const Step& step) {
   arguments_.clear();
   for (int i = 0; i < step.c; ++i) arguments_.push_back(std::move(task.local(step.b + i).value));
   for (std::size_t i = 0; i < arguments_.size(); ++i) require(function, i, arguments_[i]);
+  if (function.one_frame) use_one_frame(task, arguments_);
   for (const Value& argument : arguments_) charge_for(argument);
   Value result = step.op == Op::builtin ? function.call(arguments_, at(code_.name_lists, step.d))
                  : function.live != Live::none
@@ -430,6 +451,7 @@ bool Interpreter::call_in_pieces(Task& task, const Step& step) {
     data::List arguments;
     for (int i = 0; i < step.c; ++i) arguments.push_back(task.local(step.b + i).value);
     for (std::size_t i = 0; i < arguments.size(); ++i) require(function, i, arguments[i]);
+    if (function.one_frame) use_one_frame(task, arguments);
     task.work = std::make_unique<Making>(function.series(arguments));
   }
   if (!continue_work(task)) return false;

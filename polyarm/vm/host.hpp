@@ -151,6 +151,9 @@ class Host {
   /// there are none.
   virtual data::JointState joints_at(const data::Value& place, const data::JointState* near, const std::string& robot,
                                      const std::string& tool, const std::string& frame) const;
+  /// The point with its pose in the world. It stays as it is if its frame is another one for each robot.
+  /// Throws Error if there is no such frame.
+  virtual data::Point in_world(const data::Point& point) const { return point; }
   /// The pose of the tool centre point at these joints, T_frame_tool.
   virtual data::Value pose_at(const data::JointState& joints, const std::string& robot, const std::string& tool,
                               const std::string& frame) const;
@@ -195,11 +198,11 @@ class Host {
   virtual Nanoseconds now() const = 0;
   /// True if every robot of the program is at standstill; the clean-up of a program begins only then.
   virtual bool standing() const { return true; }
+  /// True for a PLC: its `when` and `every` blocks go on after its last line.
+  virtual bool keeps_events() const { return false; }
   /// Holds the cell as a person would; only a person resumes it. The program is not stepped meanwhile.
   virtual void hold(const std::string& reason, const Location& where);
   virtual void log(const std::string& text, const Location& where) = 0;
-  /// True for a PLC: its `when` and `every` blocks go on after its last line.
-  virtual bool keeps_events() const { return false; }
 };
 
 }  // namespace polyarm::program

@@ -233,6 +233,7 @@ class Interpreter {
   bool join_texts(Task& task, const Step& step);
   void make_parts(Task& task, const Step& step);
   bool call_function(Task& task, const Step& step);
+  void use_one_frame(const Task& task, std::span<Value> arguments) const;
   bool call_in_pieces(Task& task, const Step& step);
   // Functions of the running program, on arguments_: live_functions.cpp
   Value live_call(const Task& task, const Function& function);

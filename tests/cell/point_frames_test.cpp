@@ -133,6 +133,23 @@ TEST_F(PointFrames, WhatIsMadeOfAFramedPointIsInItsFrameWhateverTheFrameOfTheMov
   expect_tcp(kTable * pose_xyz_rpy({0.09, 0.05, 0.12}, {3, 0, 0}));
 }
 
+TEST_F(PointFrames, APoseOfTheFrameInUseIsComparedWithAFramedPointInOneFrame) {
+  const Pose middle = kTable * pose_xyz_rpy({0.05, 0.04, 0.1}, {3, 0, 0});
+  const std::string far = "pose(50mm, 60mm, 100mm, 3rad)";
+  run(kFramedPoints, "use frame table\nmovej interpolate(p, " + far + ", 50%)\n");
+  expect_tcp(middle);
+  run(kFramedPoints, "moveto p\nuse frame table\nmovel interpolate(here(), p with x = p.x, 50%)\n");
+  expect_tcp(kTable * kOnTable);
+  run(kFramedPoints,
+      "use frame pose(250mm, 100mm, 50mm, rz = 0.5rad)\nmovej interpolate(" + far + ", p, 50%)\n");
+  expect_tcp(middle);
+  run(kFramedPoints, "use frame table\nif abs(distance(p, " + far +
+                         ") - 40mm) > 0.001mm\n  raise \"{distance(p, " + far + ")}\"\nend\n");
+  EXPECT_FALSE(cell->failure());
+  run(kFramedPoints, "use frame table\nmovej pallet(p, " + far + ", offset(p, x = 40mm), 2, 2)[4]\n");
+  expect_tcp(kTable * pose_xyz_rpy({0.09, 0.06, 0.1}, {3, 0, 0}));
+}
+
 TEST_F(PointFrames, TheBaseIsThatOfTheRobotThatMoves) {
   const std::string point = "Pose: RPY\nName: p\nPoint: 0.25, 0.1, 0.15, 3, 0, 0; frame = \"base\"\n";
   const std::string two =
@@ -145,23 +162,6 @@ TEST_F(PointFrames, TheBaseIsThatOfTheRobotThatMoves) {
   expect_tcp(base * pose_xyz_rpy({0.25, 0.1, 0.17}, {3, 0, 0}), 1);
 }
 
-/// A point as `polyarm data teach` keeps it, of this robot standing in `joints` with `tool`.
-class TaughtPoints : public PointFrames {
- protected:
-  static const std::vector<std::string>& names() {
-    static const std::vector<std::string> out = {"shoulder_pan_joint", "shoulder_lift_joint",
-                                                 "elbow_joint",        "wrist_1_joint",
-                                                 "wrist_2_joint",      "wrist_3_joint"};
-    return out;
-  }
-  static std::string taught(const std::vector<double>& joints, const Pose& tcp, const std::string& robot) {
-    const Quaternion& q = tcp.rotation;
-    std::string by_name;
-    for (std::size_t i = 0; i < joints.size(); ++i)
-      by_name += (i ? ", " : "") + names()[i] + " = " + format_number(joints[i]);
-    std::string numbers;
-    for (const double n : {tcp.position.x, tcp.position.y, tcp.position.z, q.x, q.y, q.z, q.w})
-      numbers += (numbers.empty() ? "" : ", ") + format_number(n);
 TEST_F(PointFrames, AFrameGivenAsAValueIsInItsOwnFrame) {
   const std::string points = "Pose: RPY\nName: shelf\nPoint: 0.05, 0, 0.02, 0, 0, 0.3; frame = \"base\"\n";
   const std::string two =
@@ -203,6 +203,23 @@ TEST_F(PointFrames, ALengthForAJointThatTurnsIsRefusedAndAnAngleForOneThatSlides
       << "a joint that slides has a length";
 }
 
+/// A point as `polyarm data teach` keeps it, of this robot standing in `joints` with `tool`.
+class TaughtPoints : public PointFrames {
+ protected:
+  static const std::vector<std::string>& names() {
+    static const std::vector<std::string> out = {"shoulder_pan_joint", "shoulder_lift_joint",
+                                                 "elbow_joint",        "wrist_1_joint",
+                                                 "wrist_2_joint",      "wrist_3_joint"};
+    return out;
+  }
+  static std::string taught(const std::vector<double>& joints, const Pose& tcp, const std::string& robot) {
+    const Quaternion& q = tcp.rotation;
+    std::string by_name;
+    for (std::size_t i = 0; i < joints.size(); ++i)
+      by_name += (i ? ", " : "") + names()[i] + " = " + format_number(joints[i]);
+    std::string numbers;
+    for (const double n : {tcp.position.x, tcp.position.y, tcp.position.z, q.x, q.y, q.z, q.w})
+      numbers += (numbers.empty() ? "" : ", ") + format_number(n);
     return "Pose: Quaternion\nName: p\nPoint: " + numbers + "; tool = \"suction_cup\", robot = \"" + robot +
            "\", joints = joints(" + by_name + ")\n";
   }
