@@ -41,7 +41,6 @@ void Stage::drive_to(std::size_t index, const Pose& goal, const Asked& asked) {
   Arm& base = arms_[index];
   AroundOptions options;
   options.clearance = cell_.setup.file.clearance;
-  cell_.motions->wheels(index)->check_way();
   ++out_.moves;
   const bool from_known = start_known(base.driven, asked.where);
   try {

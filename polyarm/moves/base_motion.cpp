@@ -27,7 +27,7 @@ constexpr double kTimeout = 3;                                   // s after the 
 
 constexpr double kSideways = 3, kMostSideways = 0.3;  // 1/m, of ways: rad towards the line per
                                                       // metre beside it, and their maximum
-constexpr double kStrayed = 0.05;                     // m beside its leg: the base needs another way
+constexpr double kStrayed = 0.05;                     // m beside its leg: it needs another way
 constexpr int kMostWays = 10;                         // of one move
 
 // Ways of steered bases:
@@ -67,16 +67,9 @@ double BaseMotion::sharpest() const {
   return kOfSteering * controller_.sharpest();
 }
 
-void BaseMotion::check_way() const {
-  if (!controller_.turns_on_the_spot() && !around_.arcs)
-    throw Error("bad-move", "this base steers: it has no ways to a pose, because it cannot turn on the spot",
-                "drive it by lengths, or send twists to its controller");
-}
-
 std::uint64_t BaseMotion::start(const BaseMove& move) {
   if (active_) throw Error("busy", "the base is moving already", "one move of a base at a time");
   if (!odometry_) throw Error("no-odometry", "the base's controller publishes no odometry");
-  if (move.to) check_way();
   if (move.turns && !controller_.turns_on_the_spot())
     throw Error("bad-move", "this base steers: it cannot turn on the spot",
                 "drive it, or send twists to its controller");
@@ -101,14 +94,15 @@ void BaseMotion::begin(bool turns, double amount, double curvature) {
   if (amount < 0 && !turns) speed = stated(-own.min_velocity, speed);
   const double most = stated(own.max_acceleration, speed / kToFullSpeed);
   double acceleration = std::min(most, stated(-own.max_deceleration, most));
-  const double jerk = stated(own.max_jerk, acceleration / kToFullAcceleration);
+  double jerk = stated(own.max_jerk, acceleration / kToFullAcceleration);
   const bool of_way = move_.to && turns;
   const double asked_speed = of_way ? move_.turn_speed : move_.speed;
   const double asked_acceleration = of_way ? move_.turn_acceleration : move_.acceleration;
   speed *= move_.share;
   if (asked_speed > 0) speed = std::min(speed, asked_speed);
   if (curvature != 0) {
-    speed *= controller_.share_on(curvature);
+    const double share = controller_.share_on(curvature);  // the limits are those of the fastest wheel
+    speed *= share, acceleration *= share, jerk *= share;
     if (move_.turn_speed > 0) speed = std::min(speed, move_.turn_speed / std::abs(curvature));
   }
   if (asked_acceleration > 0) acceleration = std::min(acceleration, asked_acceleration);
@@ -274,7 +268,7 @@ std::optional<BaseMotion::Left> BaseMotion::left() const {
   if (!active_ || (move_.to && !leg_begun_)) return std::nullopt;
   const double sign = amount_ < 0 ? -1 : 1;
   const double rest = std::max(0.0, sign * (amount_ - (planned_ ? covered() : 0)));
-  return turns_ ? Left{0, rest} : Left{rest, rest * std::abs(curvature_)};
+  return turns_ ? Left{0, rest} : Left{rest, rest * std::abs(curvature_), curvature_, amount_ < 0};
 }
 
 bool BaseMotion::plan(double from) {
@@ -323,6 +317,7 @@ void BaseMotion::tick(Nanoseconds now, bool running, double share) {
   }
   const double rate = std::clamp(share, 0.0, 1.0);
   if (!seen || !has_leg() || (!planned_ && !begin_plan(dt * rate))) return;
+  if (steers() && strayed() > kStrayed) return look_again();
   const double done = covered(), most = limits_.max_velocity;
   time_ += dt * rate * pace_;
   std::array<MotionState, 1> state;

@@ -49,17 +49,14 @@ struct BaseSurroundings {
   using Search = std::function<std::vector<BaseLeg>(const std::function<bool()>& dropped)>;
   std::function<Search(const Pose& goal)> look;
   std::function<void(std::function<void()>)> post;  ///< runs a job, immediately or on another thread
-  /// Ways of bases that steer may be used. Guards that judge a base by its present direction stop it on an
-  /// arc beside an obstacle.
-  bool arcs = false;
 };
 
 /// A base that steers does not turn on the spot: its ways have arcs, and it stands while it steers to the
-/// next curvature. Moves from rest to rest within velocity, acceleration and jerk limits. Feedback comes from
-/// the odometry of the base's controller; commands go through its cmd_vel. A straight move stays on its line.
-/// If the controller states no acceleration, full speed takes half a second; if it states no jerk, full
-/// acceleration takes 0.2 s. On hold the base stops; on resume it continues from where it is. Cell thread
-/// only.
+/// next curvature. A base that leaves its way stops and looks for another one. Moves from rest to rest within
+/// velocity, acceleration and jerk limits. Feedback comes from the odometry of the base's controller;
+/// commands go through its cmd_vel. A straight move stays on its line. If the controller states no
+/// acceleration, full speed takes half a second; if it states no jerk, full acceleration takes 0.2 s. On hold
+/// the base stops; on resume it continues from where it is. Cell thread only.
 class BaseMotion {
  public:
   enum class State { running, done, failed, discarded };
@@ -78,12 +75,8 @@ class BaseMotion {
   /// Largest curvature of its ways, 1/m; infinite: it turns on the spot. Smaller than that of the base, so
   /// that it can steer back to its way.
   double sharpest() const;
-  /// Throws Error("bad-move") if the base has no moves to a place: it steers, and ways with arcs are not
-  /// used.
-  void check_way() const;
   /// Returns its id, which counts up from 1. Throws Error("busy") during another move,
-  /// Error("no-odometry"), and Error("bad-move") for a turn of a base that steers,
-  /// or as check_way() does.
+  /// Error("no-odometry"), and Error("bad-move") for a turn of a base that steers.
   std::uint64_t start(const BaseMove& move);
   /// Call it in every tick. `running`: the loop is neither held nor in a fault. `share`: fraction of the
   /// planned speed, [0, 1].
@@ -97,6 +90,8 @@ class BaseMotion {
   /// then.
   struct Left {
     double way = 0, turn = 0;
+    double curvature = 0;    ///< of the arc, 1/m, positive to the left; 0: a line
+    bool backwards = false;  ///< of a line or an arc
   };
   std::optional<Left> left() const;
   State state_of(std::uint64_t id) const;

@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "polyarm/operation/guard_work.hpp"
+#include "polyarm/surroundings/base_ways.hpp"
 
 namespace polyarm::cell {
 
@@ -25,6 +26,11 @@ constexpr double kLeastShare = 0.02;
 constexpr double kBaseStands = 2e-3, kClosesIn = 2e-3;
 /// No point of a base and of what it carries is farther from its middle, m.
 constexpr double kFarthestPoint = 3;
+/// A base that is nearer than the clearance may come so much nearer on the way that was planned: a part of
+/// the distance, and at least m.
+constexpr double kNearer = 0.2, kLeastNearer = 2e-3;
+/// A way is looked at in steps of at least this length, m.
+constexpr double kStepOfWay = 5e-3;
 /// Where a controller states no deceleration, m/s².
 constexpr double kDeceleration = 1;
 }  // namespace
@@ -37,12 +43,51 @@ struct Guards::NearBase {
   GuardGap gap;
 };
 
-/// How a base comes to rest.
+/// Where a base goes and how it comes to rest.
 struct Guards::BaseWay {
   double braking = kDeceleration;                    ///< m/s²
   double latency = 0;                                ///< s, before it brakes
   std::optional<moves::BaseMotion::Left> left = {};  ///< of a move that ends by itself; nothing: it drives on
+  Pose T_world_base = {};                            ///< with `left`: of the frame that its wheels move
+
+  bool is_known() const { return left && left->way > 0; }
+  /// The highest speed with which it comes to rest within this length.
+  double speed_before(double room) const {
+    return braking * (std::sqrt(latency * latency + 2 * room / braking) - latency);
+  }
+  /// How far it drives on its line or arc until a body of it, `a` or else `b` of the pair, is nearer than
+  /// `keep` to the other one; at most `most`. `gap`: now, and then there.
+  double free(surroundings::GuardBodies& bodies, const GuardPair& pair, bool a, double keep, double most,
+              GuardGap& gap) const;
+
+ private:
+  Pose after(double driven) const;
 };
+
+/// The motion in the world until it has driven so far along its line or arc.
+Pose Guards::BaseWay::after(double driven) const {
+  const Vec3 ahead = T_world_base.rotation * Vec3{1, 0, 0};
+  const surroundings::BasePlace now{T_world_base.position.x, T_world_base.position.y,
+                                    std::atan2(ahead.y, ahead.x)};
+  const surroundings::BasePlace then =
+      surroundings::along(now, left->curvature, left->backwards ? -driven : driven);
+  const auto pose = [](const surroundings::BasePlace& at) {
+    return Pose{{at.x, at.y, 0}, from_rpy(0, 0, at.heading)};
+  };
+  return pose(then) * inverse(pose(now));
+}
+
+double Guards::BaseWay::free(surroundings::GuardBodies& bodies, const GuardPair& pair, bool a, double keep,
+                             double most, GuardGap& gap) const {
+  const double lever = 1 + std::abs(left->curvature) * kFarthestPoint;
+  double driven = 0;
+  while (gap.distance >= keep) {
+    driven += std::max(kStepOfWay, (gap.distance - keep) / lever);
+    if (driven >= most) return most;
+    gap = bodies.gap_after(pair, a, after(driven), keep + lever * (most - driven));
+  }
+  return driven;
+}
 
 /// Sees how a base moves. Says once that nothing guards the arm on a base that drives.
 void Guards::see_base(std::size_t r) {
@@ -115,8 +160,19 @@ Guards::NearBase Guards::near_base(std::size_t r, const Vec3& velocity, double t
     if (!pair.active || pair.own || pair.of_part || pair.slack >= within) continue;
     const bool a = is_carried(pair.robot_a), b = is_carried(pair.robot_b);
     if (a == b || bodies.kind(a ? pair.b : pair.a) == Kind::floor) continue;
-    const GuardGap gap = bodies.gap_of(pair, within);
+    GuardGap gap = bodies.gap_of(pair, within);
     if (gap.distance >= within) continue;
+    if (way.is_known()) {
+      const double speed = norm(velocity);
+      const double most = std::min(way.left->way, speed * (way.latency + speed / (2 * way.braking)));
+      const double nearer = std::max(kNearer * gap.distance, kLeastNearer);
+      const double keep = std::min(clearance, gap.distance - nearer);
+      const double free = way.free(bodies, pair, a, keep, most, gap);
+      if (free >= most) continue;
+      const double share = way.speed_before(free) / speed;
+      if (share < out.share) out = {share, static_cast<int>(i), a ? pair.b : pair.a, gap};
+      continue;
+    }
     const Vec3 point = a ? gap.on_a : gap.on_b, away = a ? gap.normal : -gap.normal;
     const Vec3 moves = velocity + cross(Vec3{0, 0, turning}, point - middle);
     const double closing = -dot(moves, away);
@@ -124,8 +180,7 @@ Guards::NearBase Guards::near_base(std::size_t r, const Vec3& velocity, double t
     const double room = std::max(0.0, gap.distance - clearance);
     if (way.left && way.left->way + way.left->turn * norm(point - middle) <= room)
       continue;  // it ends before
-    const double most =
-        way.braking * (std::sqrt(way.latency * way.latency + 2 * room / way.braking) - way.latency);
+    const double most = way.speed_before(room);
     if (most >= out.share * closing) continue;
     out = {most / closing, static_cast<int>(i), a ? pair.b : pair.a, gap};
   }
@@ -148,7 +203,8 @@ void Guards::look_at_base(std::size_t r) {
   Of& of = work_->robots[r];
   if (!base_drives(r) || !runs()) return;
   const Vec3 velocity{of.base_velocity.x, of.base_velocity.y, 0};
-  const BaseWay way{braking_of_base(r), kLatencyOfHold, cell_.motions.wheels(r)->left()};
+  moves::BaseMotion& wheels = *cell_.motions.wheels(r);
+  const BaseWay way{braking_of_base(r), kLatencyOfHold, wheels.left(), wheels.pose()};
   const NearBase found = near_base(r, velocity, of.base_turning, way);
   if (found.pair < 0) return;
   of.ahead_of = {0, found.pair, found.gap, cell_.setup.file.guards.clearance};

@@ -108,20 +108,29 @@ Ground::Nearest Ground::nearest(const BasePlace& place, double within) const {
   return out;
 }
 
-bool Ground::is_beside(double x, double y, double within) const {
+bool Ground::is_beside(const Core& core, double x, double y, double within) const {
   ConvexBody line;
-  line.points = {{x, y, low_}, {x, y, high_}};
-  return !own_.empty() && each_near(line, within, [](const OtherBody&, double) { return true; });
+  line.points = {{x, y, core.low}, {x, y, core.high}};
+  return each_near(line, core.radius + within, [](const OtherBody&, double) { return true; });
 }
 
-double Ground::half_width() const {
-  double left = 0, right = 0;
-  for (const OwnBody& own : own_)
-    for (const Vec3& point : own.body.points) {
-      left = std::max(left, point.y + own.body.radius);
-      right = std::max(right, own.body.radius - point.y);
+/// Of the body around the axis that extends farthest to all sides. Its upper and lower quarters may be
+/// narrower.
+Ground::Core Ground::core() const {
+  constexpr int kDirections = 16;
+  Core out{0, (low_ + high_) / 2, (low_ + high_) / 2};
+  for (const OwnBody& own : own_) {
+    double radius = std::numeric_limits<double>::infinity();
+    for (int k = 0; k < kDirections; ++k) {
+      const double angle = 2 * kPi * k / kDirections;
+      const Vec3 side{std::cos(angle), std::sin(angle), 0};
+      radius = std::min(radius, dot(side, own.body.core_support(side)) + own.body.radius);
     }
-  return std::min(left, right);
+    if (radius <= out.radius) continue;
+    const double quarter = (own.high - own.low) / 4;
+    out = {radius, own.low + quarter, own.high - quarter};
+  }
+  return out;
 }
 
 bool Ground::line_is_free(const BasePlace& from, const BasePlace& to) const {

@@ -20,9 +20,6 @@ inline double wrapped(double angle) {
 /// What turns less, or drives less, does not move.
 inline constexpr double kSameHeading = 1e-6, kSamePlace = 1e-4;
 
-/// The place after a piece of a way: `length` is negative backwards; `curvature` is positive to the left.
-BasePlace along(const BasePlace& from, double curvature, double length);
-
 /// A body of the base, in its frame on the plane z = 0 of the world.
 struct OwnBody {
   collision::ConvexBody body;  ///< without discs
@@ -57,10 +54,13 @@ class Ground : private SweepBodies {
     std::string mine, other;
   };
   Nearest nearest(const BasePlace& place, double within) const;
-  /// True if something is nearer than `within` to the vertical line there, at the height of the base.
-  bool is_beside(double x, double y, double within) const;
-  /// How far the base extends to the nearer of its sides.
-  double half_width() const;
+  /// A vertical cylinder about the axis of the frame that the wheels move, inside the base, for a quick look.
+  struct Core {
+    double radius = 0, low = 0, high = 0;
+  };
+  Core core() const;
+  /// True if something is nearer than `within` to that cylinder there.
+  bool is_beside(const Core& core, double x, double y, double within) const;
 
   // Each is true if the base keeps the clearance:
   bool line_is_free(const BasePlace& from, const BasePlace& to) const;

@@ -16,6 +16,10 @@ struct BasePlace {
   double x = 0, y = 0, heading = 0;
 };
 
+/// The place after a piece of a way: `length` is negative backwards; `curvature`, in 1/m, is positive to the
+/// left.
+BasePlace along(const BasePlace& from, double curvature, double length);
+
 /// A turn on the spot, by the shorter side, if both places have the same position; else an arc, or a straight
 /// line with one heading.
 struct BaseLeg {

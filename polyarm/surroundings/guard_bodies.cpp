@@ -382,9 +382,19 @@ GuardGap GuardBodies::between(const ConvexBody& a, const Pose& pose_a, const Con
 }
 
 GuardGap GuardBodies::gap_of(const GuardPair& pair, double enough, int moved, int ahead) noexcept {
+  if (bodies_[pair.b].kind == Kind::floor) return from_plane(pair, moved);
+  return gap_at(pair, pose_of(pair.a, moved, ahead), pose_of(pair.b, moved, ahead), enough);
+}
+
+GuardGap GuardBodies::gap_after(const GuardPair& pair, bool a, const Pose& motion, double enough) noexcept {
+  const Pose pose_a = pose_of(pair.a, -1), pose_b = pose_of(pair.b, -1);
+  return gap_at(pair, a ? motion * pose_a : pose_a, a ? pose_b : motion * pose_b, enough);
+}
+
+/// Of two bodies that have pieces.
+GuardGap GuardBodies::gap_at(const GuardPair& pair, const Pose& pose_a, const Pose& pose_b,
+                             double enough) noexcept {
   const Body &a = bodies_[pair.a], &b = bodies_[pair.b];
-  if (b.kind == Kind::floor) return from_plane(pair, moved);
-  const Pose pose_a = pose_of(pair.a, moved, ahead), pose_b = pose_of(pair.b, moved, ahead);
   const double rough =
       norm(pose_a * a.around.center - pose_b * b.around.center) - a.around.radius - b.around.radius;
   GuardGap out{std::max(rough, enough), {}, {}, {0, 0, 1}};

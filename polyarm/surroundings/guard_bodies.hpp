@@ -123,6 +123,9 @@ class GuardBodies : private SweepBodies {
   /// is returned instead if it exceeds `enough`; points and normal are then undefined.
   /// `ahead`: the other robot at that place of its braking.
   GuardGap gap_of(const GuardPair& pair, double enough, int moved = -1, int ahead = -1) noexcept;
+  /// The exact distance with one body of the pair, `a` or else `b`, moved by `motion` in the world; or a
+  /// lower bound, as gap_of().
+  GuardGap gap_after(const GuardPair& pair, bool a, const Pose& motion, double enough) noexcept;
   /// What is nearest to a robot, as far as it is nearer than `within`; `tried`: with the robot as
   /// try_joints() put it. Two links of the robot do not count.
   struct Nearest {
@@ -168,6 +171,7 @@ class GuardBodies : private SweepBodies {
   bool is_hand(const SweptBody& body) const noexcept;
   int frame_of(std::uint32_t body) const noexcept;
   GuardGap from_plane(const GuardPair& pair, int moved) const noexcept;
+  GuardGap gap_at(const GuardPair& pair, const Pose& pose_a, const Pose& pose_b, double enough) noexcept;
   GuardGap between(const collision::ConvexBody& a, const Pose& pose_a, const collision::ConvexBody& b,
                    const Pose& pose_b) noexcept;
   void slide(std::uint32_t body, int robot, const Vec3& point, const Vec3& normal, double sign,

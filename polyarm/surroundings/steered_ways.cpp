@@ -89,7 +89,7 @@ Region region_of(const Ground& ground, const BasePlace& goal, double radius) {
       std::max(out.below, ends.below - kFarthest) - more, std::min(out.above, ends.above + kFarthest) + more};
 }
 
-/// Lengths of ways to the goal of something round that is as wide as the base: they guide the search where
+/// Lengths of ways to the goal of something round that is inside the base: they guide the search where
 /// obstacles are.
 class DistanceMap {
  public:
@@ -125,7 +125,8 @@ class DistanceMap {
 
   /// Dijkstra's search from the goal. The cells of the goal, of the start and around them count as free.
   void fill(const Ground& ground, const BasePlace& goal) {
-    const double within = std::max(0.0, ground.half_width() + ground.clearance() - cell_);
+    const Ground::Core core = ground.core();
+    const double within = ground.clearance() - cell_;
     using Entry = std::pair<double, int>;
     std::priority_queue<Entry, std::vector<Entry>, std::greater<>> open;
     const int first = cell_at(goal);
@@ -140,7 +141,7 @@ class DistanceMap {
       const int x = cell % columns_, y = cell / columns_;
       const double at_x = region_.left + (x + 0.5) * cell_, at_y = region_.below + (y + 0.5) * cell_;
       const double from_start = std::hypot(at_x - ground.start().x, at_y - ground.start().y);
-      if (length > 2 * cell_ && from_start > 2 * cell_ && ground.is_beside(at_x, at_y, within)) {
+      if (length > 2 * cell_ && from_start > 2 * cell_ && ground.is_beside(core, at_x, at_y, within)) {
         known = kTaken;
         continue;
       }

@@ -219,7 +219,7 @@ void SteeringController::publish_more(const Cycle& cycle) noexcept {
   for (const std::size_t i : traction_) *out++ = command(i);
   for (const std::size_t i : steering_) *out++ = command(i);
   state_->publish(cycle.time);
-  set_curvature(std::tan(open_loop() ? desired_angle_ : angle_) / geometry_.wheelbase);
+  set_curvature(std::tan(steering_state_.empty() ? desired_angle_ : angle_) / geometry_.wheelbase);
 }
 
 }  // namespace polyarm::controllers

@@ -182,8 +182,8 @@ bool TricycleController::track(const PlanarTwist& commanded, double dt) noexcept
 }
 
 void TricycleController::publish_more(const Cycle& cycle) noexcept {
-  const double angle = open_loop() ? angle_.angle() : state(steering_state_);
-  set_curvature(std::tan(angle) / wheelbase_);
+  const double measured = state(steering_state_);
+  set_curvature(std::tan(std::isfinite(measured) ? measured : angle_.angle()) / wheelbase_);
   if (!report_drive_) return;
   drive_->draft().values[0] = angle_.angle();
   drive_->draft().values[1] = wheel_.speed();

@@ -39,7 +39,6 @@ struct SearchingBase {
         return std::vector<BaseLeg>{{false, {}, {1, 0, 0}, 0, false, 0, 1}};
       };
     };
-    around.arcs = true;
     motion->set_surroundings(std::move(around));
     BaseMove move;
     move.to = Pose{{1, 0, 0}, {}};
@@ -124,7 +123,6 @@ struct Truck {
       ++searches;
       return [this](const std::function<bool()>&) { return way; };
     };
-    around.arcs = true;
     motion->set_surroundings(std::move(around));
   }
   void add(double curvature, double length) {
