@@ -9,18 +9,20 @@
 
 namespace polyarm::control {
 
-void BlackBox::build(std::size_t states, std::size_t commands, std::size_t rows, std::size_t most_bytes) {
+void BlackBox::build(std::size_t states, std::size_t commands, std::size_t rows, std::size_t most_bytes,
+                     bool at_once) {
   states_ = states;
   width_ = states + commands;
   capacity_ = std::min(rows, most_bytes / (sizeof(Head) + width_ * sizeof(double)));
-  heads_.assign(capacity_, {});
-  data_.assign(width_ * capacity_, 0.0);
+  at_once_ = at_once;
+  heads_ = {capacity_, at_once};
+  data_ = {width_ * capacity_, at_once};
   next_ = filled_ = 0;
 }
 
 BlackBox BlackBox::empty_one() const {
   BlackBox out;
-  out.build(states_, width_ - states_, capacity_, SIZE_MAX);
+  out.build(states_, width_ - states_, capacity_, SIZE_MAX, at_once_);
   return out;
 }
 
@@ -105,7 +107,8 @@ void ControlLoop::prepare(const std::vector<controllers::JointFacts>& joints) {
   const std::size_t states = table_.built_states(), commands = table_.built_commands();
   constexpr std::size_t kSpareEvents = 256;  // for controllers that are loaded later
   faults_.make_room(3 * hardware_.size() + commands + kSpareEvents);
-  black_box_.build(states, commands, options_.black_box_rows, bounds::kBlackBoxBytes);
+  black_box_.build(states, commands, options_.black_box_rows, bounds::kBlackBoxBytes,
+                   options_.memory_at_once);
   Snapshot empty;
   empty.states.assign(table_.states().begin(), table_.states().end());
   empty.commands.assign(table_.commands().begin(), table_.commands().end());

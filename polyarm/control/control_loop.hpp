@@ -18,6 +18,7 @@
 #include "polyarm/realtime/jobs.hpp"
 #include "polyarm/realtime/latest.hpp"
 #include "polyarm/realtime/queue.hpp"
+#include "polyarm/realtime/zeros.hpp"
 
 namespace polyarm::control {
 
@@ -51,9 +52,9 @@ class BlackBox {
     Request request = Request::none;  ///< the request taken in this cycle
     std::span<const double> states, commands;
   };
-  /// Room for `rows` rows, or for as many as `most_bytes` hold.
+  /// Room for `rows` rows, or for as many as `most_bytes` hold. `at_once`: see Zeros.
   void build(std::size_t states, std::size_t commands, std::size_t rows,
-             std::size_t most_bytes = static_cast<std::size_t>(-1));
+             std::size_t most_bytes = static_cast<std::size_t>(-1), bool at_once = true);
   void record(const Row& row) noexcept;
   std::size_t rows() const noexcept { return filled_; }
   /// Row 0 is the oldest.
@@ -68,8 +69,9 @@ class BlackBox {
     StopCause cause;
     Request request;
   };
-  std::vector<Head> heads_;
-  std::vector<double> data_;
+  realtime::Zeros<Head> heads_;
+  realtime::Zeros<double> data_;
+  bool at_once_ = true;
   std::size_t states_ = 0, width_ = 0, capacity_ = 0, next_ = 0, filled_ = 0;
 };
 
@@ -92,6 +94,9 @@ struct LoopOptions {
   Overrun overrun = Overrun::report;
   unsigned overrun_after = 10;  ///< late cycles in a row
   bool publish = true;          ///< snapshot and cycle records; off only to measure their cost
+  /// False: the black box takes memory as it is filled, so that a short run with many robots takes little.
+  /// Only for a loop that no clock drives.
+  bool memory_at_once = true;
   /// True: a gap of at least kGap holds the robots; otherwise it is counted in Health::gaps. Empty: true if a
   /// component is real.
   std::optional<bool> stall_holds = true;

@@ -26,6 +26,7 @@ void Machine::make_loop(const ros_files::ControllersFile& described) {
   loop.overrun_after = setup_.file.loop.overrun_after;
   loop.stall_holds = setup_.file.loop.stall_holds;
   loop.black_box_rows = static_cast<std::size_t>(10 * rate);
+  loop.memory_at_once = !setup_.options.lock_step;
   loop_ = std::make_unique<control::ControlLoop>(loop);
   supervisor().set_contact_stop(setup_.options.allow_contact ? control::ContactStop::none
                                                              : setup_.file.contact_stop);
