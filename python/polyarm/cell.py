@@ -85,7 +85,7 @@ class Cell:
     def run(self, seconds):
         """As many cycles as `seconds` of cell time have."""
         if not math.isfinite(seconds):
-            raise ValueError(f"{seconds} s is no time")
+            raise ValueError(f"seconds is {seconds}; it must be finite")
         self.step(round(seconds / self.period))
 
     def reset(self):

@@ -312,7 +312,7 @@ class CellClient(Requests):
         pendant's link. A slow reader gets the newest values."""
         self._need_link("states")
         if not rate > 0:
-            raise ValueError(f"a rate of {rate}: nothing would come")
+            raise ValueError(f"rate is {rate}; it must be above 0")
         box = _Mailbox(1)
         self._watchers.add(box)
         try:

@@ -111,7 +111,7 @@ def _check_times(rate, seconds):
     if not 0 < rate <= 1000:
         raise ValueError(f"a rate of {rate} observations per second: it must be above 0 and at most 1000")
     if not seconds >= 0:
-        raise ValueError(f"{seconds} s is no time")
+        raise ValueError(f"seconds is {seconds}; it must be 0 or more")
 
 
 def _send(cell, robot, short, target, speed, session):

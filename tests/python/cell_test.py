@@ -42,7 +42,7 @@ class Cells(unittest.TestCase):
             with self.assertRaisesRegex(ValueError, cycles + " cycles: a whole number was expected"):
                 cell.step(float(cycles))
         for seconds in (np.nan, np.inf):
-            with self.assertRaisesRegex(ValueError, "is no time"):
+            with self.assertRaisesRegex(ValueError, "it must be finite"):
                 cell.run(seconds)
 
     def test_arguments_of_another_kind_are_refused(self):

@@ -176,7 +176,7 @@ class Running(unittest.IsolatedAsyncioTestCase):
     async def test_a_rate_of_nothing_is_refused(self):
         async with await connect(self.link) as cell:
             for rate in (0, -1, float("nan")):
-                with self.assertRaisesRegex(ValueError, "nothing would come"):
+                with self.assertRaisesRegex(ValueError, "it must be above 0"):
                     await anext(cell.states(rate=rate))
 
     async def test_each_reader_gets_an_error_of_its_own(self):

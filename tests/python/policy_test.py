@@ -94,7 +94,7 @@ class Policies(unittest.TestCase):
             with self.assertRaisesRegex(ValueError, "observations per second"):
                 run_policy(cell, lambda observation: None, rate=rate, seconds=1)
         for seconds in (-1, np.nan):
-            with self.assertRaisesRegex(ValueError, "is no time"):
+            with self.assertRaisesRegex(ValueError, "it must be 0 or more"):
                 run_policy(cell, lambda observation: None, seconds=seconds)
         self.assertEqual(cell.time, before)
 
