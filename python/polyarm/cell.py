@@ -110,10 +110,12 @@ class Cell:
         for call in saved._calls:
             if isinstance(call, int):
                 for done in range(0, call, _PIECE):
-                    self._cell.step(min(_PIECE, call - done))
+                    piece = min(_PIECE, call - done)
+                    self._cell.step(piece)
+                    self._note(piece)
             else:
                 self._cell.ask(*call)
-        self._calls = list(saved._calls)
+                self._note(call)
         if self.time != saved.time or not np.array_equal(self.states(), saved._states, equal_nan=True):
             raise Error([_problem("not-repeatable", "the same calls gave other states than those saved",
                                   "restore with the same files, arguments and version")])
