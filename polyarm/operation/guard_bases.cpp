@@ -27,12 +27,18 @@ constexpr double kBaseStands = 2e-3, kClosesIn = 2e-3;
 /// No point of a base and of what it carries is farther from its middle, m.
 constexpr double kFarthestPoint = 3;
 /// A base that is nearer than the clearance may come so much nearer on the way that was planned: a part of
-/// the distance, and at least m.
+/// the distance, and at least so many m, but half of the distance always stays.
 constexpr double kNearer = 0.2, kLeastNearer = 2e-3;
 /// A way is looked at in steps of at least this length, m.
 constexpr double kStepOfWay = 5e-3;
 /// Where a controller states no deceleration, m/s².
 constexpr double kDeceleration = 1;
+
+/// The distance to keep on a way that was planned, with this distance now. A base in contact may leave it.
+double kept_on_way(double distance, double clearance) {
+  const double least = distance > 0 ? std::min(kLeastNearer, distance / 2) : kLeastNearer;
+  return std::min(clearance, distance - std::max(kNearer * distance, least));
+}
 }  // namespace
 
 /// What is nearest in the way of a base.
@@ -80,13 +86,14 @@ Pose Guards::BaseWay::after(double driven) const {
 double Guards::BaseWay::free(surroundings::GuardBodies& bodies, const GuardPair& pair, bool a, double keep,
                              double most, GuardGap& gap) const {
   const double lever = 1 + std::abs(left->curvature) * kFarthestPoint;
-  double driven = 0;
+  double driven = 0, proven = 0;  // the distances are enough as far as `proven`
   while (gap.distance >= keep) {
-    driven += std::max(kStepOfWay, (gap.distance - keep) / lever);
     if (driven >= most) return most;
+    proven = driven + (gap.distance - keep) / lever;
+    driven = std::min(most, std::max(proven, driven + kStepOfWay));
     gap = bodies.gap_after(pair, a, after(driven), keep + lever * (most - driven));
   }
-  return driven;
+  return proven;
 }
 
 /// Sees how a base moves. Says once that nothing guards the arm on a base that drives.
@@ -165,8 +172,7 @@ Guards::NearBase Guards::near_base(std::size_t r, const Vec3& velocity, double t
     if (way.is_known()) {
       const double speed = norm(velocity);
       const double most = std::min(way.left->way, speed * (way.latency + speed / (2 * way.braking)));
-      const double nearer = std::max(kNearer * gap.distance, kLeastNearer);
-      const double keep = std::min(clearance, gap.distance - nearer);
+      const double keep = kept_on_way(gap.distance, clearance);
       const double free = way.free(bodies, pair, a, keep, most, gap);
       if (free >= most) continue;
       const double share = way.speed_before(free) / speed;

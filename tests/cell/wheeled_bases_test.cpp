@@ -154,6 +154,20 @@ TEST_F(WheeledBases, ABaseStopsBeforeAWall) {
   EXPECT_GT(most, 0.6);
 }
 
+/// Its way to a standstill is shorter than a step in which guards look along its way.
+TEST_F(WheeledBases, ABaseThatCreepsStopsBeforeAWallToo) {
+  start_before_a_wall("drive 750mm\ndrive 300mm, speed 20mm/s\n");
+  ASSERT_TRUE(cell->ask({{"request", "program.start"}})["ok"].get<bool>());
+  double most = 0;
+  for (int i = 0; i < 10000; ++i) {
+    cell->tick();
+    most = std::max(most, place().x());
+  }
+  EXPECT_EQ(cell->result({{"request", "health"}})["state"], "held");
+  EXPECT_LT(most, 0.8) << "its front is 0.2 m before its middle";
+  EXPECT_GT(most, 0.77);
+}
+
 TEST_F(WheeledBases, WithoutGuardsOfBasesItDrivesOn) {
   start_before_a_wall("drive 1500mm\n", "guards: {bases: false}\n");
   ASSERT_TRUE(cell->ask({{"request", "program.start"}})["ok"].get<bool>());
