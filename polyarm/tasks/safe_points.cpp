@@ -27,11 +27,28 @@ Pose to_pose(const Json& j) {
 Json from_number(const data::Number& n) {
   return {n.value, static_cast<int>(n.dimension)};
 }
-data::Number to_number(const Json& j) {
-  const int dimension = j.at(1);
+Dimension to_dimension(const Json& j) {
+  const int dimension = j;
   if (dimension < 0 || dimension > static_cast<int>(Dimension::angular_acceleration))
     throw Error("bad-state", "a number of an unknown dimension");
-  return {j.at(0).get<double>(), static_cast<Dimension>(dimension)};
+  return static_cast<Dimension>(dimension);
+}
+data::Number to_number(const Json& j) {
+  return {j.at(0).get<double>(), to_dimension(j.at(1))};
+}
+
+Json from_joints(const data::JointState& joints) {
+  Json out{{"joints", joints.names}, {"positions", joints.positions}};
+  for (const Dimension unit : joints.given) out["given"].push_back(static_cast<int>(unit));
+  return out;
+}
+data::JointState to_joints(const Json& j) {
+  data::JointState out{j["joints"].get<std::vector<std::string>>(),
+                       j.at("positions").get<std::vector<double>>()};
+  if (const auto given = j.find("given"); given != j.end())
+    for (std::size_t i = 0; i < given->size() && i < out.positions.size(); ++i)
+      out.note_given(i, to_dimension(given->at(i)));
+  return out;
 }
 
 Json from_value(const Value& value) {
@@ -44,8 +61,7 @@ Json from_value(const Value& value) {
   if (const auto* number = value.as_number()) return {{"number", from_number(*number)}};
   if (const auto* text = value.as_text()) return {{"text", *text}};
   if (const auto* list = value.as_list()) return {{"list", all(*list)}};
-  if (const auto* joints = value.as_joints())
-    return {{"joints", joints->names}, {"positions", joints->positions}};
+  if (const auto* joints = value.as_joints()) return from_joints(*joints);
   if (const auto* point = value.as_point()) {
     Json out{{"pose", from_pose(point->pose)}, {"quaternion", point->quaternion_given}};
     if (const data::Taught* t = point->taught.get())
@@ -67,9 +83,7 @@ Value to_value(const Json& j) {
   if (j.contains("number")) return to_number(j["number"]);
   if (j.contains("text")) return j["text"].get<std::string>();
   if (j.contains("list")) return all(j["list"]);
-  if (j.contains("joints"))
-    return data::JointState{j["joints"].get<std::vector<std::string>>(),
-                            j.at("positions").get<std::vector<double>>()};
+  if (j.contains("joints")) return to_joints(j);
   if (j.contains("pose")) {
     data::Point out{to_pose(j["pose"]), j.at("quaternion").get<bool>()};
     if (const auto t = j.find("taught"); t != j.end())

@@ -339,6 +339,16 @@ TEST_F(ProgramControl, GoesOnInAnotherProcessWhereItWasCutOff) {
   EXPECT_EQ(cell::to_json(cell::safe_point_from_json(written, "")), written);
 }
 
+TEST(SafePoint, JointStatesKeepTheUnitsInWhichTheyWereGiven) {
+  data::JointState joints{{"lift", "turn"}, {0.02, 1}};
+  joints.note_given(0, Dimension::length);
+  cell::SafePoint point;
+  point.values.emplace_back("J", joints);
+  const cell::SafePoint read = cell::safe_point_from_json(cell::to_json(point), "");
+  EXPECT_EQ(read.values.at(0).second.as_joints()->given_at(0), Dimension::length);
+  EXPECT_EQ(read.values.at(0).second.as_joints()->given_at(1), Dimension::none);
+}
+
 TEST_F(ProgramControl, GoesOnBeforeComplyWhereTheToolYielded) {
   const std::string urdf = std::string(POLYARM_SOURCE_DIR) + "/examples/r6bot/r6bot.urdf";
   folder.write("cell.yaml", "polyarm: cell/1\nrobots:\n  arm: {model: " + urdf +
