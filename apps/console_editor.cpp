@@ -346,7 +346,9 @@ void ConsoleEditor::edit() {
       const auto own =
           std::find_if(known.begin(), known.end(), [&](const auto& each) { return each.name == joint; });
       const bool slides = own == known.end() ? changed.given_at(j) == Dimension::length : own->slides;
-      changed.positions[j] = part(joint, changed.positions[j], slides ? Dimension::length : Dimension::angle);
+      const Dimension dimension = slides ? Dimension::length : Dimension::angle;
+      changed.positions[j] = part(joint, changed.positions[j], dimension);
+      if (own != known.end()) changed.note_given(j, dimension);
     }
     set(name, changed);
   } else if (const data::Point* point = value->as_point()) {

@@ -20,7 +20,14 @@ constexpr std::chrono::milliseconds kOldReport{400};
 Json json_of(const data::Value& value, const std::string& name) {
   if (const data::JointState* joints = value.as_joints()) {
     Json map = Json::object();
-    for (std::size_t j = 0; j < joints->names.size(); ++j) map[joints->names[j]] = joints->positions[j];
+    for (std::size_t j = 0; j < joints->names.size(); ++j) {
+      const double position = joints->positions[j];
+      const Dimension given = joints->given_at(j);  // the cell refuses the unit of another kind of joint
+      if (given == Dimension::none)
+        map[joints->names[j]] = position;
+      else
+        map[joints->names[j]] = format_number(position) + data::unit_text(given);
+    }
     return {{"joints", map}, {"name", name}};
   }
   if (const data::Point* point = value.as_point()) {

@@ -233,6 +233,15 @@ TEST_F(Console, AMixedTrajectoryIsOnePathAndDurationsAreAskedOrComputed) {
                               "Duration of the move to A in s", "takes more than 0 s", "arrived after 4."}));
 }
 
+TEST_F(Console, JointValuesOfAFileGoToTheRobotWithTheirUnits) {
+  write_file_atomically(
+      work / "f.points",
+      "JS: shoulder_pan_joint shoulder_lift_joint elbow_joint wrist_1_joint wrist_2_joint wrist_3_joint\n"
+      "Name: A\nPoint: 0.3, -1.5, 150mm, -1.5, -1.5, 0\nName: B\nPoint: 20deg, -1.3, 80deg, -1.5, -1.5, 0\n");
+  const Finished done = told({"1", "3", "6", "f", "A", "6", "f", "B", "0", "0"});
+  EXPECT_TRUE(in_order(done, {"is 0.15m, not an angle", "arrived after"}));
+}
+
 TEST_F(Console, WithoutATerminalJogAndSlidersTakeSteps) {
   const Finished done = told({"1", "3", "3", "z -20mm tool", "x 5", "w 5mm", "", "2", "elbow_joint 5deg", "",
                               "1", "elbow_joint -5deg", "elbow_jont 1deg", "", "0", "0"});
