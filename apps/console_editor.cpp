@@ -11,6 +11,7 @@
 #include "polyarm/base/text.hpp"
 #include "polyarm/data/file_lookup.hpp"
 #include "polyarm/data/frame_chain.hpp"
+#include "polyarm/data/point_frames.hpp"
 
 namespace polyarm::apps {
 
@@ -379,11 +380,8 @@ Value outermost(const Value& value, const data::DataSet& of) {
     const Value* frame = of.value(name);
     return frame ? frame->as_point() : nullptr;
   });
-  data::Point out = *point;
+  data::Point out = data::converted(*point, chain.root, chain.pose.rotation * data::axes_of(*point));
   out.pose = chain.pose * out.pose;
-  auto taught = std::make_shared<data::Taught>(*out.taught);
-  taught->frame = chain.root;
-  out.taught = std::move(taught);
   return out;
 }
 
