@@ -473,8 +473,7 @@ const char* advice_for(std::string_view code) {
     return "change the profile or 'workspace' in the cell file, or move the points";
   if (code == "guard-crowded")
     return "jog the robot out of there, or go another way; fewer bodies, or larger ones in place of many "
-           "small ones, "
-           "take less time to measure";
+           "small ones, take less time to measure";
   return "clear the way and resume, or move the points or the obstacle";
 }
 }  // namespace
