@@ -408,18 +408,21 @@ constexpr std::size_t kStepsOfAListItem = 8;
 /// their numbers would be compared although they count from different places.
 void Interpreter::use_one_frame(const Task& task, std::span<Value> arguments) const {
   const MoveDefaults use = task.uses.empty() ? MoveDefaults{} : task.uses.back();
-  const std::string& frame = use.named_frame();
-  if (!use.frame_pose && (frame.empty() || frame == "world")) return;
+  const std::string frame = use.named_frame().empty() ? "world" : use.named_frame();
+  const bool of_world = !use.frame_pose && frame == "world";
   const auto framed = [](const Value& value) {
     return value.as_point() && !value.as_point()->frame().empty();
   };
-  if (std::none_of(arguments.begin(), arguments.end(), framed)) return;
+  const auto differs = [&](const Value& value) {
+    return framed(value) && !(of_world && value.as_point()->frame() == "world");
+  };
+  if (std::none_of(arguments.begin(), arguments.end(), differs)) return;
   for (Value& value : arguments) {
     if (!value.as_point() || framed(value)) continue;
     data::Point point = *value.as_point();
     if (use.frame_pose) point.pose = *use.frame_pose * point.pose;
     const Quaternion axes = use.frame_pose ? use.frame_pose->rotation : Quaternion{};
-    value = host_.in_world(data::converted(std::move(point), frame.empty() ? "world" : frame, axes));
+    value = host_.in_world(data::converted(std::move(point), frame, axes));
   }
 }
 

@@ -160,6 +160,12 @@ TEST_F(PointFrames, TheBaseIsThatOfTheRobotThatMoves) {
   expect_tcp(base * pose_xyz_rpy({0.25, 0.1, 0.15}, {3, 0, 0}), 1);
   run(point, "use robot right\nmovej offset(p, z = 20mm)\n", two);
   expect_tcp(base * pose_xyz_rpy({0.25, 0.1, 0.17}, {3, 0, 0}), 1);
+  run(point, "log(distance(p, pose(0, 0, 0)))\n", two);
+  ASSERT_TRUE(cell->failure()) << "one of the numbers is in the world";
+  EXPECT_NE(cell->failure()->problem.what.find("takes poses of one frame"), std::string::npos)
+      << cell->failure()->problem.text();
+  run(point, "use frame \"base\"\nlog(distance(p, pose(0, 0, 0)))\n", two);
+  EXPECT_FALSE(cell->failure());
 }
 
 TEST_F(PointFrames, AFrameGivenAsAValueIsInItsOwnFrame) {
