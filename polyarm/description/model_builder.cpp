@@ -30,7 +30,7 @@ std::vector<std::string> names_of(const Index& index) {
   return out;
 }
 
-/// Several joints between the same two links, as made-up models of vehicles have: in ROS the last one by name
+/// Several joints between the same two links, as in simplified models of vehicles: in ROS the last one by name
 /// carries the link, and all of them have values. The others get an empty link of their own.
 void part_parallel_joints(RobotModel& model, std::vector<NamedJoint>& joints, Index& links,
                           Problems& warnings) {

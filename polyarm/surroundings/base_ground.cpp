@@ -114,8 +114,8 @@ bool Ground::is_beside(const Core& core, double x, double y, double within) cons
   return each_near(line, core.radius + within, [](const OtherBody&, double) { return true; });
 }
 
-/// Of the body around the axis that extends farthest to all sides. Its upper and lower quarters may be
-/// narrower.
+/// The cylinder is taken from the body that extends farthest to all sides of the axis, without its upper and
+/// its lower quarter, which may be narrower.
 Ground::Core Ground::core() const {
   constexpr int kDirections = 16;
   Core out{0, (low_ + high_) / 2, (low_ + high_) / 2};
