@@ -79,10 +79,14 @@ TEST(MessageFilters, JoinTheClosestMessagesOnceNoneCanBeCloser) {
   second.add(at_ms<JointState>(130));
   first.add(at_ms<Imu>(133));
   EXPECT_EQ(pairs.all.back(), std::make_pair(133, 130));  // the one at 120 is too far from all
+  for (const int ms : {190, 212}) first.add(at_ms<Imu>(ms));
+  for (const int ms : {205, 213}) second.add(at_ms<JointState>(ms));
+  first.add(at_ms<Imu>(220));
+  EXPECT_EQ(pairs.all.back(), std::make_pair(212, 213));  // 205 is the oldest: it is dropped
   connection.disconnect();
-  first.add(at_ms<Imu>(200));
-  second.add(at_ms<JointState>(200));
-  EXPECT_EQ(pairs.all.size(), 2u);
+  first.add(at_ms<Imu>(300));
+  second.add(at_ms<JointState>(300));
+  EXPECT_EQ(pairs.all.size(), 3u);
 }
 
 TEST(MessageFilters, SubscribeATopicAndKeepTheLastMessages) {

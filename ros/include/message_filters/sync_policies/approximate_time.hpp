@@ -48,7 +48,7 @@ class ApproximateTime : public PolicyBase<Ms...> {
         if (all.empty()) return false;
         pivot = std::max(pivot, all.front());
       }
-      std::int64_t first = pivot, last = pivot;
+      std::int64_t first = std::numeric_limits<std::int64_t>::max(), last = pivot;
       std::size_t oldest = 0;
       for (std::size_t i = 0; i < Base::kInputs; ++i) {
         const auto& all = this->stamps_[i];
