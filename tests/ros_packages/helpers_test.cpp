@@ -176,6 +176,7 @@ TEST(PalStatistics, PublishRegisteredVariablesUntilTheirBookkeepingEnds) {
     EXPECT_EQ(heard[0].statistics[1].name, "count");
     EXPECT_EQ(heard[0].statistics[1].value, 3);
     const auto registry = pal_statistics::getRegistry(node, "~/stats");
+    EXPECT_EQ(pal_statistics::getRegistry(node.get(), "~/stats"), registry) << "one for each node and topic";
     const polyarm::test::RealtimeGuard guard;
     force = 2;
     const bool copied = registry->publishAsync(), again = registry->publishAsync();

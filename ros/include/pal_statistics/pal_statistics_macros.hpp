@@ -14,8 +14,8 @@ inline constexpr char DEFAULT_STATISTICS_TOPIC[] = "pal_statistics";
 namespace pal_statistics {
 
 /// The registry of a node's topic; the first caller makes it. It ends after its node, at the next call.
-template <typename NodePointer>
-std::shared_ptr<StatisticsRegistry> getRegistry(const NodePointer& node, const std::string& topic) {
+inline std::shared_ptr<StatisticsRegistry> registry_of(
+    const rclcpp::node_interfaces::NodeCore::SharedPtr& core, const std::string& topic) {
   struct Place {
     std::weak_ptr<rclcpp::node_interfaces::NodeCore> core;
     std::shared_ptr<StatisticsRegistry> registry;
@@ -25,10 +25,13 @@ std::shared_ptr<StatisticsRegistry> getRegistry(const NodePointer& node, const s
   const std::lock_guard lock(mutex);
   for (auto at = all.begin(); at != all.end();)
     at = at->second.core.expired() ? all.erase(at) : std::next(at);
-  const std::shared_ptr<rclcpp::node_interfaces::NodeCore> core = node->get_node_base_interface();
   Place& place = all[std::to_string(reinterpret_cast<std::uintptr_t>(core.get())) + " " + topic];
   if (!place.registry) place = {core, std::make_shared<StatisticsRegistry>(core, core, core, core, topic)};
   return place.registry;
+}
+template <typename NodePointer>
+std::shared_ptr<StatisticsRegistry> getRegistry(const NodePointer& node, const std::string& topic) {
+  return registry_of(node->get_node_base_interface(), topic);
 }
 
 }  // namespace pal_statistics
