@@ -100,7 +100,8 @@ class AsyncFunctionHandler {
     std::unique_lock lock(mutex_, std::try_to_lock);
     if (lock.owns_lock() && thrown_) std::rethrow_exception(std::exchange(thrown_, nullptr));
     if (params_.scheduling_policy == AsyncSchedulingPolicy::DETACHED) {
-      if (paused_.exchange(false)) begin_.notify_one();
+      // Without the lock the thread may be about to wait, and would miss this: the next trigger begins it.
+      if (lock.owns_lock() && paused_.exchange(false)) begin_.notify_one();
       return {true, result_.load()};
     }
     if (!lock.owns_lock() || busy_ || !params_.trigger_predicate()) return {false, result_.load()};
@@ -187,9 +188,12 @@ class AsyncFunctionHandler {
     while (!stopped_) {
       begin_.wait(lock, [this] { return !paused_ || stopped_; });
       if (stopped_) break;
+      busy_ = true;
       lock.unlock();
       call(params_.clock->now(), rclcpp::Duration(period));
       lock.lock();
+      busy_ = false;
+      end_.notify_all();
       next = std::max(next + period, std::chrono::steady_clock::now());
       begin_.wait_until(lock, next, [this] { return stopped_.load(); });
     }
