@@ -7,8 +7,10 @@
 #include <sstream>
 
 #include "polyarm/base/file.hpp"
+#include "polyarm/base/printable.hpp"
 #include "polyarm/base/text.hpp"
 #include "polyarm/base/xml_bounds.hpp"
+#include "polyarm/yaml/yaml.hpp"
 
 namespace polyarm::ros_packages {
 
@@ -222,21 +224,14 @@ std::string last_word(std::string text) {
   const auto slash = text.find_last_of("/:");
   return slash == std::string::npos ? text : text.substr(slash + 1);
 }
-/// A line of a .repos file is a key with or without a value; a repository's own keys are below its name.
 void add_listed(const fs::path& file, std::map<std::string, ListedSource>& out) {
-  std::istringstream lines(read_file(file, kLargestXml));
-  std::string name;
-  for (std::string line; std::getline(lines, line) && out.size() < kMostPackages;) {
-    line.erase(std::min(line.find(" #"), line.size()));
-    const std::string text(trim(line));
-    if (text.starts_with("url:")) {
-      std::string address(trim(std::string_view(text).substr(4)));
-      std::erase_if(address, [](char c) { return c == '"' || c == '\''; });
-      for (const std::string& each : {name, last_word(address)})
-        if (!each.empty()) out.try_emplace(each, ListedSource{address, file});
-    } else if (text.ends_with(":")) {
-      name = last_word(text.substr(0, text.size() - 1));
-    }
+  const Yaml listed = Yaml::parse(read_file(file, kLargestXml), file.string());
+  for (const Yaml::Entry& repository : listed["repositories"].entries()) {
+    if (out.size() >= kMostPackages) return;
+    const std::string address = printable_line(repository.value["url"].text(""));
+    if (address.empty()) continue;
+    for (const std::string& name : {last_word(repository.key), last_word(address)})
+      if (!name.empty()) out.try_emplace(name, ListedSource{address, file});
   }
 }
 }  // namespace
@@ -250,8 +245,7 @@ std::map<std::string, ListedSource> listed_sources(const Package& package) {
     std::vector<fs::path> files;
     for (auto at = fs::directory_iterator(folder, error); !error && at != fs::directory_iterator();
          at.increment(error))
-      if (at->path().extension() == ".repos" || at->path().extension() == ".rosinstall")
-        files.push_back(at->path());
+      if (at->path().extension() == ".repos") files.push_back(at->path());
     std::sort(files.begin(), files.end());
     Problems ignored;  // one that cannot be read names nothing
     for (const fs::path& file : files) collect(ignored, [&] { add_listed(file, out); });
