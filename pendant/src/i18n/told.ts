@@ -173,9 +173,10 @@ export function lineWords(line: {text: string; code?: string; facts?: Facts}): s
   if (!line.code || language.value === 'en') return own;
   const whole = sentence(line.code, line.facts ?? {});
   if (whole !== null) return whole;
-  const said = translated()?.sentenceOf(own) ?? codeWords(line.code);
+  const row = translated()?.sentenceOf(own);
+  if (row) return row;
+  const said = codeWords(line.code);
   if (said === undefined) return own;
-  if (said === translated()?.sentenceOf(own)) return said;
   return kSaysAll.has(line.code) ? said : `${said} (${own})`;
 }
 
