@@ -302,6 +302,7 @@ describe('what is said of programs and files', () => {
     };
     expect(say("there is nothing called 'Hone'; did you mean 'Home'?", 'names are data, points, tags and variables of `let`'))
         .toEqual(['No hay nada llamado «Hone»; ¿quería decir «Home»?', 'Los nombres son datos, puntos, señales y variables de `let`']);
+    expect(say('format() has 1 field and 2 values')).toEqual(['format() tiene 1 campo y 2 valores']);
     expect(say("'+' cannot take a number without unit and a length")).toEqual(['«+» no admite un número sin unidad y una longitud']);
     expect(say("'endwhile' in line 4 closes the 'while' of line 2 while the 'if' of line 3 is still open"))
         .toEqual(['«endwhile» en la línea 4 cierra el «while» de la línea 2 mientras el «if» de la línea 3 sigue abierto']);
