@@ -30,10 +30,10 @@ std::vector<std::string> names_of(const Index& index) {
   return out;
 }
 
-/// Several joints between the same two links, as in simplified models of vehicles: in ROS the last one by name
-/// carries the link, and all of them have values. The others get an empty link of their own.
-void part_parallel_joints(RobotModel& model, std::vector<NamedJoint>& joints, Index& links,
-                          Problems& warnings) {
+/// Several joints between the same two links, as simplified models of vehicles have: in ROS the last one by
+/// name moves the link, and all of them have values. Each of the others gets an empty link of its own.
+void split_parallel_joints(RobotModel& model, std::vector<NamedJoint>& joints, Index& links,
+                           Problems& warnings) {
   std::map<std::pair<std::string, std::string>, std::vector<NamedJoint*>> between;
   for (NamedJoint& j : joints)
     if (j.parent != j.child) between[{j.parent, j.child}].push_back(&j);
@@ -250,14 +250,6 @@ bool settle_angle(double& angle) {
   return true;
 }
 
-void note_settled(RobotModel& model, const std::vector<NamedJoint>& joints) {
-  std::vector<std::string> names;
-  for (const NamedJoint& joint : joints)
-    if (joint.settled) names.push_back(joint.joint.name);
-  if (!names.empty())
-    model.provenance.notes.push_back("rounded angles became exact multiples of 45 deg at " +
-                                     join(names, ", "));
-}
 }  // namespace
 
 bool settle_angles(Vec3& rpy) {
@@ -273,13 +265,12 @@ bool tie_together(RobotModel& model, std::vector<NamedJoint> joints, const Locat
   }
   Index links = index_links(model, file, problems);
   if (links.size() != model.links.size()) return false;
-  part_parallel_joints(model, joints, links, warnings);
+  split_parallel_joints(model, joints, links, warnings);
   if (!resolve(model, joints, links, problems) || !sort_joints(model, joints, file, problems)) return false;
   for (std::size_t i = 0; i < joints.size(); ++i) {
     model.links[static_cast<std::size_t>(joints[i].joint.child_link)].parent_joint = static_cast<int>(i);
     model.joints.push_back(joints[i].joint);
   }
-  note_settled(model, joints);
   find_mimicked(model, joints, warnings);
   shorten_mimic_rows(model, joints, warnings);
   for (std::size_t i = 0; i < model.joints.size(); ++i) {

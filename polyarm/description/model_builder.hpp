@@ -21,9 +21,10 @@ bool settle_angles(Vec3& rpy);
 
 /// Connects joints and links: checks names, finds the root, sorts parents before children (otherwise in the
 /// file's order), and fills parent_joint, mimic and actuated. Adds the faults: unknown or duplicate names
-/// (with the nearest name), a link with two parents, several roots, cycles. A <mimic> that cannot be followed
-/// (the joint is missing or does not have exactly one value, or a cycle) is a warning, and its joint becomes
-/// independent. Returns false if the model is unusable.
+/// (with the nearest name), a link with two parents, several roots, cycles. Warnings: several joints between
+/// the same two links, of which the last one by name moves the link; a <mimic> that cannot be followed (the
+/// joint is missing or does not have exactly one value, or a cycle), whose joint becomes independent. Returns
+/// false if the model is unusable.
 bool tie_together(RobotModel& model, std::vector<NamedJoint> joints, const Location& file, Problems& problems,
                   Problems& warnings);
 
