@@ -93,7 +93,7 @@ TEST(MessageFilters, SubscribeATopicAndKeepTheLastMessages) {
   auto node = std::make_shared<rclcpp::Node>("filtering");
   message_filters::Subscriber<Imu> input(node, "imu", rclcpp::SensorDataQoS().get_rmw_qos_profile());
   message_filters::Cache<Imu> cache(input, 2);
-  auto publisher = node->create_publisher<Imu>("imu", 10);
+  auto publisher = rclcpp::create_publisher<Imu>(node->get_node_topics_interface(), "imu", 10);
   for (const int ms : {10, 30, 20}) publisher->publish(*at_ms<Imu>(ms));
   rclcpp::spin_some(node);
   const auto time = [](int ms) { return rclcpp::Time(std::int64_t{ms} * 1000000, RCL_ROS_TIME); };
@@ -113,8 +113,9 @@ TEST(InteractiveMarkers, ShowWhatIsAppliedAndFollowADrag) {
   auto node = std::make_shared<rclcpp_lifecycle::LifecycleNode>("markers");
   interactive_markers::InteractiveMarkerServer server("target", node);
   std::vector<msg::InteractiveMarkerUpdate> updates;
-  const auto seen = node->create_subscription<msg::InteractiveMarkerUpdate>(
-      "target/update", 10, [&](const msg::InteractiveMarkerUpdate& m) { updates.push_back(m); });
+  auto topics = node->get_node_topics_interface();
+  const auto seen = rclcpp::create_subscription<msg::InteractiveMarkerUpdate>(
+      topics, "target/update", 10, [&](const msg::InteractiveMarkerUpdate& m) { updates.push_back(m); });
   msg::InteractiveMarker marker;
   marker.name = "tool";
   marker.header.frame_id = "base";

@@ -20,25 +20,26 @@ class Node : public polyarm_ros::NodeApi, public std::enable_shared_from_this<No
   }
 };
 
-/// The interfaces of a node serve as the node.
-template <typename Message, typename... Rest>
-auto create_publisher(const node_interfaces::NodeCore::SharedPtr& core, const std::string& topic,
-                      const QoS& qos, Rest&&...) {
-  return polyarm_ros::NodeApi(core).make_publisher<Publisher<Message>>(topic, qos);
-}
-template <typename Message, typename Callback, typename... Rest>
-auto create_subscription(const node_interfaces::NodeCore::SharedPtr& core, const std::string& topic,
-                         const QoS& qos, Callback&& call, Rest&&...) {
-  return polyarm_ros::NodeApi(core).create_subscription<Message>(topic, qos, std::forward<Callback>(call));
-}
+/// True for the interfaces of a node, which serve as the node below.
+template <typename NodePointer>
+inline constexpr bool is_node_interface_v =
+    std::is_convertible_v<NodePointer, node_interfaces::NodeCore::SharedPtr>;
+
 template <typename Message, typename NodePointer, typename... Rest>
 auto create_publisher(NodePointer&& node, const std::string& topic, const QoS& qos, Rest&&...) {
-  return node->template create_publisher<Message>(topic, qos);
+  if constexpr (is_node_interface_v<NodePointer>)
+    return polyarm_ros::NodeApi(node).template make_publisher<Publisher<Message>>(topic, qos);
+  else
+    return node->template create_publisher<Message>(topic, qos);
 }
 template <typename Message, typename NodePointer, typename Callback, typename... Rest>
 auto create_subscription(NodePointer&& node, const std::string& topic, const QoS& qos, Callback&& call,
                          Rest&&...) {
-  return node->template create_subscription<Message>(topic, qos, std::forward<Callback>(call));
+  if constexpr (is_node_interface_v<NodePointer>)
+    return polyarm_ros::NodeApi(node).template create_subscription<Message>(topic, qos,
+                                                                            std::forward<Callback>(call));
+  else
+    return node->template create_subscription<Message>(topic, qos, std::forward<Callback>(call));
 }
 template <typename Type, typename NodePointer, typename Callback, typename... Rest>
 auto create_service(NodePointer&& node, const std::string& name, Callback&& call, Rest&&...) {
