@@ -239,12 +239,13 @@ async function loadProgram(): Promise<void> {
   }
 }
 
-const kForward = computed(() => {
+/** As text, so that a status with the same robots changes nothing. */
+const forwardNow = computed(() => {
   const robots = Object.entries(status.value?.cannotJog ?? {});
   const names = robots.filter(([, why]) => why.code === 'forward-mode').map(([name]) => name);
   return JSON.stringify({names, all: names.length > 0 && names.length === (cell.value?.robots.length ?? 0)});
 });
-effect(() => void (forwardRobots.value = JSON.parse(kForward.value)));
+effect(() => void (forwardRobots.value = JSON.parse(forwardNow.value)));
 
 /** The number of the newest alarm before this page connected; -1 while unknown. */
 let lastOld = -1;
