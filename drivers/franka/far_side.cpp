@@ -123,8 +123,9 @@ void FarSide::make_healthy() {
 }
 
 bool FarSide::step(Nanoseconds patience) {
-  return clock_.step(
-      patience, [this] { return faults_.silent || faults_.power_off || faults_.stranger || !fci_.unanswered(); });
+  return clock_.step(patience, [this] {
+    return faults_.silent || faults_.power_off || faults_.stranger || !fci_.unanswered();
+  });
 }
 
 void FarSide::serve() {

@@ -43,8 +43,8 @@ CallbackReturn FakeXarm::on_init(const hardware::ComponentContext& context) {
   return SimulatedComponent::on_init(own);
 }
 
-/// One cycle of the controller, then exchanges until the driver has its report. What the loop wants reaches the
-/// controller in the next one.
+/// One cycle of the controller, then exchanges until the driver has its report. What the loop wants reaches
+/// the controller in the next one.
 void FakeXarm::step_moves(double period) noexcept {
   constexpr Nanoseconds kOnlyAsk = 0;
   if (!active_) {
