@@ -319,6 +319,7 @@ class Finding(TypedDict):
     column: float
     what: str
     advice: str
+    facts: NotRequired[dict[str, str | float]]
 
 
 class FunctionText(TypedDict):

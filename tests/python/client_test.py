@@ -180,8 +180,12 @@ class Running(unittest.IsolatedAsyncioTestCase):
                     await anext(cell.states(rate=rate))
 
     async def test_each_reader_gets_an_error_of_its_own(self):
+        async def read_on(events):
+            async for _ in events:
+                pass
+
         async with await connect(self.link) as cell:
-            waiting = asyncio.gather(anext(cell.listen()), anext(cell.listen()), return_exceptions=True)
+            waiting = asyncio.gather(read_on(cell.listen()), read_on(cell.listen()), return_exceptions=True)
             await cell.program()
             self.cell.kill()
             errors = await waiting
