@@ -290,20 +290,20 @@ bool ForwardLink::send_tool() {
 
 /// Its queue is emptied, the robot stops. In another mode it has no moves of ours, and is somebody else's.
 /// False: it was not reached.
-bool ForwardLink::tell_stop() {
+bool ForwardLink::send_stop() {
   if (current_.report.mode != Mode::position) return true;
   if (!port_.is_open() && !port_.open(settings_.answer)) return false;
   return panel_.set(Register::set_state, static_cast<unsigned>(State::stopped));
 }
 
-/// Whatever ended the link, the controller is told to stop.
+/// Sends a stop to the controller, whatever ended the link.
 void ForwardLink::end() {
-  if (!told_) {
-    told_ = tell_stop();
+  if (!stop_sent_) {
+    stop_sent_ = send_stop();
     ending_since_ = realtime::monotonic_now();
     still_reports_ = 0;
-    if (told_) watchdog_.disarm();
-    if (told_ || ++end_attempts_ < kEndAttempts) return;
+    if (stop_sent_) watchdog_.disarm();
+    if (stop_sent_ || ++end_attempts_ < kEndAttempts) return;
     watchdog_.abandon();  // it tries for some time
     gone_ = over_ = true;
     return;

@@ -101,7 +101,7 @@ class ForwardLink : public forward::AskingLink<wire::LinkBase<Cause>, Cause, For
   bool note_panel();
   bool beat();
   void end();
-  bool tell_stop();
+  bool send_stop();
   bool has_stopped() const { return still_reports_ >= kStillReports; }
   forward::MoveReport report() const { return {time_, current_.q, ended_, halted_}; }
 
@@ -133,7 +133,7 @@ class ForwardLink : public forward::AskingLink<wire::LinkBase<Cause>, Cause, For
   watchdog::Link watchdog_;
   double changed_at_ = 0;  ///< s: when this driver changed the state of the controller
   double moved_at_ = 0;    ///< s: when the controller had a move
-  bool told_ = false;      ///< the controller was told to stop, at the end of a session
+  bool stop_sent_ = false;  ///< at the end of a session: the stop was sent, or is not needed
   int end_attempts_ = 0;
   Nanoseconds ending_since_ = 0;
 };

@@ -145,7 +145,7 @@ bool ForwardLink::start() {
   const bool fine = begin() && (read_panel() || refuse_panel()) && start_watchdog();
   if (fine) {
     panel_.forget();
-    ordered_ = paused_ = forgotten_ = told_ = false;
+    ordered_ = paused_ = forgotten_ = stop_sent_ = false;
     halt_ = Halt::none;
     put_ = ended_ = halting_ = halted_ = end_attempts_ = foreign_reports_ = 0;
     tool_set_.reset();
@@ -163,7 +163,7 @@ bool ForwardLink::start() {
 void ForwardLink::stop() {
   if (phase_ != Phase::idle) {
     finish(settings_.answer + kBesideAnAnswer);
-    if (!told_) watchdog_.abandon();  // it stops the robot
+    if (!stop_sent_) watchdog_.abandon();  // it stops the robot
   }
   watchdog_.stop();
 }

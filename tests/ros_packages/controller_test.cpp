@@ -226,7 +226,7 @@ TEST(RosController, OneOfAnEarlyReleaseInitializesAndUpdatesInItsOwnForm) {
   ASSERT_TRUE(arm.start());
   EXPECT_EQ(arm.update(), Return::ok);
   EXPECT_EQ(arm.command("elbow/position"), 1.125);
-  const auto& problems = arm.context().parameters.problems().list();  // what nobody read is told
+  const auto& problems = arm.context().parameters.problems().list();  // values that nobody read
   ASSERT_EQ(problems.size(), 1u);
   EXPECT_NE(problems[0].text().find("'lost'"), std::string::npos) << problems[0].text();
 }

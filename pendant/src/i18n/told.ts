@@ -151,7 +151,7 @@ export function problemWords({code, what, advice, facts = {}}: Problem): Told {
 export const findingWords = (found: Problem): Told =>
     ({...problemWords(found), advice: adviceWords(plain(found.advice ?? ''))});
 
-/** The sentence of the code; undefined if there is none. */
+/** The sentence of the code; undefined: it has no sentence. */
 const codeWords = (code: string): string|undefined =>
     known(`told.${code}`) ? t(`told.${code}` as Key) : translated()?.fileCode(code);
 

@@ -299,8 +299,8 @@ class NodeCore {
   }
 
  private:
-  /// What a file or an option gives an undeclared parameter, which is noted as read; null if it is nothing,
-  /// or is not asked for.
+  /// The value of an undeclared parameter in a file or an option, which counts as read then. Null: there is
+  /// none, or undeclared parameters are not read.
   const Parameter* given(const std::string& name) const {
     if (!polyarm_reads_undeclared || values_.count(name)) return nullptr;
     const std::vector<Parameter>& all = options_.parameter_overrides();
