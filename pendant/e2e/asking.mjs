@@ -11,7 +11,7 @@ const programs = (folder) => {
   writeFileSync(file, readFileSync(file, 'utf8').replace(/^program:.*$/m, 'program: asks.script').replace(/^plc:.*\n/m, ''));
   writeFileSync(join(folder, 'asks.script'), 'let n = ask("How many beads?", 2)\nwait user "Stand back"\nhold "look at bead {n}"\nwait 1s\nwait user "Last one"\n');
 };
-const { at, test } = suite({ change: programs, chain: true });
+const { at, test } = suite({ lines: true, change: programs, chain: true });
 let page;
 const button = (name, on = page) => on.getByRole('button', { name, exact: true });
 const question = () => page.getByRole('alert', { name: /^(The program asks|El programa pregunta)$/ });

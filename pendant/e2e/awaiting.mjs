@@ -6,6 +6,7 @@ import { picture, state } from './browser.mjs';
 import { suite } from './suite.mjs';
 
 const { at, test } = suite({
+  lines: true,
   example: 'r6bot',
   change: (folder) => {
     writeFileSync(join(folder, 'cell.yaml'), 'polyarm: cell/1\nrobots:\n  arm: {model: r6bot.urdf, hardware: mock}\nprogram: job\n');

@@ -8,13 +8,14 @@ import { chromium } from 'playwright-core';
 const out = fileURLToPath(new URL('./out', import.meta.url));
 const executablePath = process.env.CHROMIUM ?? ['/usr/bin/chromium', '/usr/bin/chromium-browser'].find(existsSync);
 
-export async function launch() {
+/** `lines`: without WebGL. The page draws the robot as lines then, which costs the processor nothing; in 3D it costs most of a core. */
+export async function launch({ lines = false } = {}) {
   const folder = mkdtempSync(join(tmpdir(), 'polyarm-browser-'));
   const server = await chromium.launchServer({
     executablePath,
     headless: true,
     host: '127.0.0.1',  // a machine need not know the name localhost
-    args: ['--no-sandbox', '--headless=new', '--use-gl=angle', '--use-angle=swiftshader', '--enable-unsafe-swiftshader', '--disable-quic',
+    args: ['--no-sandbox', '--headless=new', '--disable-quic', ...(lines ? ['--disable-3d-apis'] : ['--use-gl=angle', '--use-angle=swiftshader', '--enable-unsafe-swiftshader']),
       '--no-first-run', '--disable-background-networking', '--disable-component-update', '--disable-sync', `--disk-cache-dir=${folder}`],
   });
   const browser = await chromium.connect(server.wsEndpoint()).catch(async (error) => {

@@ -12,7 +12,7 @@ const forwarded = (folder) => {
     'controller_manager:', '  ros__parameters:', '    update_rate: 250', '    forward:', '      type: forward_command_controller/ForwardCommandController',
     'forward:', '  ros__parameters:', '    joints: [elbow_joint, wrist_3_joint]', '    interface_name: position', ''].join('\n'));
 };
-const { at, test } = suite({ example: null, change: forwarded });
+const { at, test } = suite({ lines: true, example: null, change: forwarded });
 let page;
 const limits = () => page.getByRole('main').getByRole('region', { name: /^arm\/elbow_joint\/position, / });
 

@@ -19,7 +19,7 @@ const onAWire = (folder) => {
   writeFileSync(file, text.replace(/^send:\n.*\n/m, ''));
   writeFileSync(join(folder, 'calibration.yaml'), 'polyarm: servo_calibration/1\nfamily: feetech\njoints:\n  wrist_roll: {id: 5, direction: -1}\n');
 };
-const { at, test, holdKey, atRest } = suite({ example: 'so101', change: onAWire, chain: true, skip: servos ? false : 'no servos: POLYARM_SERVOS names none' });
+const { at, test, holdKey, atRest } = suite({ lines: true, example: 'so101', change: onAWire, chain: true, skip: servos ? false : 'no servos: POLYARM_SERVOS names none' });
 after(() => wire?.stdin.end());
 
 let page;

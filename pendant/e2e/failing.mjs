@@ -7,6 +7,7 @@ import { until } from './cell.mjs';
 import { suite } from './suite.mjs';
 
 const { at, test } = suite({
+  lines: true,
   example: 'r6bot',
   change: (folder) => {
     writeFileSync(join(folder, 'cell.yaml'), 'polyarm: cell/1\nrobots:\n  arm: {model: r6bot.urdf, hardware: mock, parameters: {inject: read_error@25000}}\nprogram: job\n');

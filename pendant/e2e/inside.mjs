@@ -7,6 +7,7 @@ import { until } from './cell.mjs';
 import { suite } from './suite.mjs';
 
 const { at, test } = suite({
+  lines: true,
   change: (folder) => {
     const file = join(folder, 'scene.yaml');
     writeFileSync(file, readFileSync(file, 'utf8').replace('bins:', '  post: {box: [0.06, 0.06, 0.6], at: [0.28, -0.02, 0.3]}\nbins:'));

@@ -11,7 +11,7 @@ const addAnna = (folder) => {
   const added = spawnSync(polyarm, ['users', 'add', 'anna', '--role', 'operate'], { env, input: 'right password\n' });
   assert.equal(added.status, 0, String(added.stderr));
 };
-const { at, test } = suite({ options: ['--log-in-hours', '0.004'], change: addAnna, chain: true });
+const { at, test } = suite({ lines: true, options: ['--log-in-hours', '0.004'], change: addAnna, chain: true });
 let page;
 const form = () => page.getByRole('form', { name: 'Log in' });
 const enter = async (password) => {

@@ -74,20 +74,23 @@ const cut = (on) =>
   });
 
 for (const [language, locale] of [['en', 'en-GB'], ['es', 'es-ES']])
-  for (const [size, [width, height]] of Object.entries(kScreens))
-    test(`looks well in ${locale} on a ${size}, dark and light`, async () => {
+  for (const [size, [width, height]] of Object.entries(kScreens)) {
+    // Colors and the parts of a page are the same in every language; the room that words take is not.
+    const judged = language === 'en' || size === 'desk';
+    const schemes = language === 'en' ? ['dark', 'light'] : ['dark'];
+    test(`looks well in ${locale} on a ${size}, ${schemes.join(' and ')}`, async () => {
       const page = await screen(at.chrome.browser, at.cell.link, { locale, viewport: { width, height } });
       assert.equal(await page.evaluate(() => document.documentElement.lang), language);
       await page.evaluate(axe);
       const found = [];
-      for (const colorScheme of ['dark', 'light']) {
+      for (const colorScheme of schemes) {
         await page.emulateMedia({ colorScheme });
         for (const [i, name] of kPages[language].entries()) {
           const where = `${name}, ${size}, ${colorScheme}`;
           await page.keyboard.press(`Alt+${i + 1}`);
           await page.getByRole('main', { name, exact: true }).waitFor();
           await page.getByRole('main').getByText(/^(Loading…|Cargando…)$/).first().waitFor({ state: 'detached' });
-          found.push(...(await serious(page, where, colorScheme === 'dark' ? undefined : ['color-contrast'])));
+          if (judged) found.push(...(await serious(page, where, colorScheme === 'dark' ? undefined : ['color-contrast'])));
           if (colorScheme === 'light') continue;
           const wide = await page.evaluate(() => document.documentElement.scrollWidth);
           if (wide > width) found.push(`${where}: ${wide} px wide`);
@@ -98,13 +101,14 @@ for (const [language, locale] of [['en', 'en-GB'], ['es', 'es-ES']])
           found.push(...(await squeezed(page)).map((each) => `${where}: squeezed: ${each}`));
         }
         await page.getByRole('button', { name: language === 'en' ? 'Settings' : 'Ajustes' }).click();
-        found.push(...(await serious(page, `Settings, ${size}, ${colorScheme}`)));
+        if (judged) found.push(...(await serious(page, `Settings, ${size}, ${colorScheme}`)));
         await page.getByRole('dialog').getByRole('button', { name: /^(Close|Cerrar)$/ }).click();
       }
       if (found.length) await picture(page, `looks-${language}-${size}`);
       await page.context().close();
       assert.deepEqual([...found, ...page.problems], []);
     });
+  }
 
 test('the menus of the view lie over the tools of the page', async () => {
   const page = await screen(at.chrome.browser, at.cell.link, { locale: 'es-ES' });

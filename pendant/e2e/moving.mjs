@@ -12,7 +12,7 @@ const withFrames = (folder) => {
   waitAboveThePart(folder);
   appendFileSync(join(folder, 'PAPpoints.points'), `\nName: Tray\nPoint: 0.3, -0.2, 0.1, ${kTray.join(', ')}\nName: Slot\nValue: pose(0.1, 0.05, 0, 0, 0, 0.7, frame = "Tray")\n`);
 };
-const { at, test, arrive, atRest, endProgram, hold, holdKey } = suite({ change: withFrames });
+const { at, test, arrive, atRest, endProgram, hold, holdKey } = suite({ lines: true, change: withFrames });
 let page;
 const button = (name, on = page) => on.getByRole('button', { name, exact: true });
 const tcp = () => ['x', 'y', 'z'].map((axis) => at.watcher.value(`arm/tcp/${axis}`));

@@ -16,7 +16,7 @@ const programs = (folder) => {
   const point = (name, z) => `\nName: ${name}\nPoint: 0.45, -0.25, ${z}, 3.141592653589793, 0.0, 0.0\n`;
   writeFileSync(points, readFileSync(points, 'utf8') + point('Deep', -0.05) + point('Above', 0.1));
 };
-const { at, test, endProgram } = suite({ change: programs, chain: true });
+const { at, test, endProgram } = suite({ lines: true, change: programs, chain: true });
 const { cell } = at;
 let page;
 const main = () => page.getByRole('main');

@@ -5,7 +5,7 @@ import { go, launch, state } from './browser.mjs';
 import { until, Watcher } from './cell.mjs';
 import { suite } from './suite.mjs';
 
-const { at, test, endProgram } = suite({ chain: true });
+const { at, test, endProgram } = suite({ lines: true, chain: true });
 const { cell } = at;
 let page, began;
 
@@ -130,7 +130,7 @@ test('a draft survives a killed browser and a killed cell', async () => {
   await cell.kill();
   await cell.start();
   at.watcher = await new Watcher(cell).start();
-  at.chrome = await launch();
+  at.chrome = await launch({ lines: true });
   page = await at.open();
   await button(/^In control/).waitFor();
   await go(page, 'Program');

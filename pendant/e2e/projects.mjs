@@ -5,7 +5,7 @@ import { join } from 'node:path';
 import { go, state } from './browser.mjs';
 import { suite } from './suite.mjs';
 
-const { at, test, endProgram } = suite({ chain: true });
+const { at, test, endProgram } = suite({ lines: true, chain: true });
 const { cell } = at;
 const zip = join(cell.home, 'of-the-browser.zip');
 let page;

@@ -16,7 +16,7 @@ const others = (folder) => {
   writeFileSync(join(folder, '../theirs/signals.yaml'), kSignals);
   cell('broken', 'program: nowhere.script\n');
 };
-const { at, test, endProgram } = suite({ change: others, chain: true });
+const { at, test, endProgram } = suite({ lines: true, change: others, chain: true });
 const { cell } = at;
 const approved = join(cell.home, 'config/polyarm/approved');
 let page;

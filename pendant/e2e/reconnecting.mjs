@@ -16,7 +16,7 @@ const programs = (folder) => {
   mkdirSync(broken);
   writeFileSync(join(broken, 'cell.yaml'), 'polyarm: cell/1\nrobots:\n  arm: {model: universal_robots/ur3, hardware: mock}\nprogram: nowhere.script\n');
 };
-const { at, test } = suite({ change: programs, chain: true });
+const { at, test } = suite({ lines: true, change: programs, chain: true });
 const { cell } = at;
 let page;
 const button = (name, on = page) => on.getByRole('button', { name, exact: true });

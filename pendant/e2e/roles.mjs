@@ -13,7 +13,7 @@ const withUsers = (folder) => {
   for (const [name, role] of [['ben', 'watch'], ['anna', 'operate']])
     execFileSync(polyarm, ['users', 'add', name, '--role', role], { env, input: `${kPassword}\n` });
 };
-const { at, test } = suite({ example: 'r6bot', change: withUsers });
+const { at, test } = suite({ lines: true, example: 'r6bot', change: withUsers });
 let page;
 const main = () => page.getByRole('main');
 const take = () => page.getByRole('button', { name: 'Take control' });

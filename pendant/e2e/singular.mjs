@@ -9,7 +9,7 @@ import { suite } from './suite.mjs';
 const kArms = { arm: 'universal_robots/ur5e', seven: 'franka/fer_panda' };
 const cellOf = (folder) =>
   writeFileSync(join(folder, 'cell.yaml'), `polyarm: cell/1\nprofile: reduced\nrobots:\n  arm: {model: ${kArms.arm}, hardware: mock}\n  seven: {model: ${kArms.seven}, hardware: mock, at: [0, 2, 0]}\n`);
-const { at, test, arrive, atRest, holdKey } = suite({ example: null, change: cellOf });
+const { at, test, arrive, atRest, holdKey } = suite({ lines: true, example: null, change: cellOf });
 let page;
 const main = () => page.getByRole('main');
 const button = (name) => page.getByRole('button', { name, exact: true });

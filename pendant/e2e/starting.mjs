@@ -9,6 +9,7 @@ import { suite } from './suite.mjs';
 /** A program that takes the first joint there, degrees. */
 const kTo = (degrees) => `movej joints(${degrees}deg, -90deg, 0deg, 0deg, 0deg, 0deg)\n`;
 const { at, test } = suite({
+  lines: true,
   example: 'r6bot',
   chain: true,
   change: (folder) => {

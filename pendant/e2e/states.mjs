@@ -13,7 +13,7 @@ const endless = (folder) => {
   writeFileSync(join(folder, 'endless.script'), 'load PAPpoints\nwhile true\n  moveto PrePick, speed 4%\n  wait time 3\n  moveto PrePlace, speed 4%\n  wait time 3\nend\n');
 };
 // Its moves are slow, so that Pause finds one under way on a busy machine, too.
-const { at, test: run, atRest, endProgram } = suite({ change: endless });
+const { at, test: run, atRest, endProgram } = suite({ lines: true, change: endless });
 const { cell } = at;
 let page;
 /** Each case can be run alone. */
@@ -259,8 +259,7 @@ test('a contact is told with its pair and depth, and leads back step by step', a
     assert.equal(await button('Step back', strip).count(), 0, 'there is nothing to step back');
     await button('Cancel motion', strip).waitFor();
     await button('Jog away', strip).click();
-    await other.getByRole('region', { name: 'Robot view' }).getByRole('button', { name: 'Views' }).waitFor();
-    await other.waitForTimeout(1500);
+    await other.getByRole('region', { name: 'Robot view' }).waitFor();
     await picture(other, 'contact');
     tell({ ...told, contacts: { ...told.contacts, touching: false, list: told.contacts.list.map((each) => ({ ...each, now: false })) }, can: {} });
     await button('Resume', strip).waitFor();

@@ -12,14 +12,15 @@ export const waitAboveThePart = (folder) => {
   writeFileSync(script, readFileSync(script, 'utf8').replace('moveto PrePick\nwait time 1\n', 'moveto PrePick\nwait time 600\n'));
 };
 
-/** `chain`: where a case has failed there is nothing for the next to begin with. `skip`: why none is run, or false. */
-export function suite({ example = 'pick_and_place', options = [], change = () => undefined, chain = false, skip = false } = {}) {
+/** `chain`: where a case has failed there is nothing for the next to begin with. `skip`: why none is run, or false. `lines`: for cases that
+ * do not need the picture in 3D; the page then has no WebGL. */
+export function suite({ example = 'pick_and_place', options = [], change = () => undefined, chain = false, skip = false, lines = false } = {}) {
   const at = { cell: new Cell(example, options), chrome: null, page: null, watcher: null, commanded: 0 };
   let failed = false;
   before(async () => {
     if (skip) return;
     change(at.cell.folder);
-    at.chrome = await launch();
+    at.chrome = await launch({ lines });
     at.commanded = Date.now();
     await at.cell.start();
     at.watcher = await new Watcher(at.cell).start();

@@ -7,6 +7,7 @@ import { until } from './cell.mjs';
 import { suite } from './suite.mjs';
 
 const { at, test, atRest } = suite({
+  lines: true,
   example: 'r6bot',
   change: (folder) => {
     writeFileSync(join(folder, 'cell.yaml'), 'polyarm: cell/1\nrobots:\n  arm: {model: universal_robots/ur5e, hardware: mock}\nprogram: job\n');

@@ -1,5 +1,6 @@
 # The page's types and unit tests; then one test for each file of cases in Chromium, where that is installed. Skipped
-# without npm. Each case starts cells and a browser: one file at a time, first of all tests, with other tests beside it.
+# without npm. Each case starts cells and a browser, first of all tests and with other tests beside it: one file with the
+# picture in 3D at a time, which takes a core, and one without.
 set(run ${CMAKE_CURRENT_SOURCE_DIR}/pendant/run)
 set(servos "")
 if(TARGET servos_bus_process)
@@ -13,8 +14,13 @@ foreach(file ${files})
   if(cases)
     get_filename_component(name ${file} NAME)
     string(REGEX REPLACE "[.].*" "" short ${name})
+    file(STRINGS ${file} lines REGEX "lines: true")
+    set(lock browser_3d)
+    if(lines)
+      set(lock browser_lines)
+    endif()
     add_test(NAME pendant.${short} COMMAND ${run} $<TARGET_FILE:polyarm> ${name})
     set_tests_properties(pendant.${short} PROPERTIES LABELS pendant SKIP_RETURN_CODE 77 TIMEOUT 900
-      RESOURCE_LOCK browser COST 1000 ENVIRONMENT "${servos}")
+      RESOURCE_LOCK ${lock} COST 1000 ENVIRONMENT "${servos}")
   endif()
 endforeach()
