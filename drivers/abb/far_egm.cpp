@@ -41,7 +41,9 @@ void FarEgm::cycle() {
   if (!sending_) return;
   send();
   const bool is = machine_.egm() == Machine::Egm::beginning || machine_.egm() == Machine::Egm::running;
-  if (!is && --last_packets_ < 0) sending_ = answers_ = false;
+  if (is || --last_packets_ >= 0) return;
+  sending_ = answers_ = false;
+  unanswered_ = 0;
 }
 
 EgmRobot FarEgm::packet() const {

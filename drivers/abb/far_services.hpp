@@ -44,8 +44,10 @@ class FarEgm {
   void serve();
   /// One cycle: the machine moves, and a packet goes out.
   void cycle();
-  /// The last packet has no answer yet, and there is somebody who answers.
-  bool waits() const { return answers_ && unanswered_ > 0 && !renewed_; }
+  /// The newest packet has no answer yet.
+  bool unanswered() const { return unanswered_ > 0 && !renewed_; }
+  /// The same, if there is somebody who answers: without a driver the clock goes on.
+  bool waits() const { return answers_ && unanswered(); }
   /// Packets that the driver may take for the controller's.
   std::uint64_t packets() const { return packets_; }
   std::uint32_t sent_sequence() const { return sent_sequence_; }

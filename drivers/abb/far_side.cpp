@@ -134,8 +134,9 @@ void FarSide::order_on_wires(const wire::Order& order) {
 }
 
 bool FarSide::step(Nanoseconds patience) {
-  return clock_.step(
-      patience, [this] { return faults_.silent || faults_.power_off || faults_.stranger || !egm_.waits(); });
+  return clock_.step(patience, [this] {
+    return faults_.silent || faults_.power_off || faults_.stranger || !egm_.unanswered();
+  });
 }
 
 void FarSide::serve() {

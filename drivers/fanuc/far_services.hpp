@@ -40,9 +40,7 @@ class FarStream {
   void program(bool on);
   bool program_runs() const { return program_; }
   bool ready() const;
-  /// The last packet has no answer yet.
-  bool waits() const { return started_ && client_answers_ && answered_ < sent_; }
-  /// The newest packet has no answer, also before the client's first one.
+  /// The newest packet has no answer yet.
   bool unanswered() const { return started_ && answered_ < sent_; }
   std::uint32_t sent_sequence() const { return sent_; }
   std::uint64_t commands() const { return commands_; }

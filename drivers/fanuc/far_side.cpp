@@ -97,7 +97,7 @@ void FarSide::order_on_wires(const wire::Order& order) {
 }
 
 bool FarSide::step(Nanoseconds patience) {
-  return clock_.step(patience, [this] { return faults_.deaf || faults_.silent || !stream_.waits(); });
+  return clock_.step(patience, [this] { return faults_.deaf || faults_.silent || !stream_.unanswered(); });
 }
 
 void FarSide::cycle() {

@@ -100,7 +100,7 @@ bool Link::set_up_io(bool with_outputs) {
   return *result == 0 ? true : refuse(Cause::io_refused, static_cast<int>(std::min(*result, 99'999'999u)));
 }
 
-/// Packets come from then on.
+/// Packets come from then on; each one gets an answer, the first one too.
 bool Link::begin_stream(bool with_outputs) {
   send_stop();
   if (!set_up_io(with_outputs)) return false;
@@ -112,6 +112,7 @@ bool Link::begin_stream(bool with_outputs) {
   outputs_.fetch();  // what was wanted before counts no more
   wanted_ = Outputs();
   fill_outputs();
+  send_idle(*first);
   return true;
 }
 

@@ -136,8 +136,9 @@ void FarSide::make_healthy() {
 }
 
 bool FarSide::step(Nanoseconds patience) {
-  return clock_.step(
-      patience, [this] { return faults_.silent || faults_.power_off || faults_.stranger || !rsi_.waits(); });
+  return clock_.step(patience, [this] {
+    return faults_.silent || faults_.power_off || faults_.stranger || !rsi_.unanswered();
+  });
 }
 
 void FarSide::serve() {

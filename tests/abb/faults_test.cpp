@@ -225,6 +225,17 @@ TEST(AbbFaults, CommandsOfAStrangerAreNotTaken) {
   EXPECT_EQ(far.messages(), 0u);
 }
 
+TEST(AbbFaults, TheFirstPacketIsWaitedForToo) {
+  FarSide far(far_options());
+  far.hold_clock(true);
+  std::string why;
+  const Descriptor owner = wire::bind_udp("127.0.0.1", 0, why);
+  far.send_egm_to("127.0.0.1", wire::local_port(owner.number()));
+  far.with([](abb::Machine& m) { return m.start_program(); });
+  ASSERT_TRUE(far.step(1'000'000)) << "nothing was sent before";
+  EXPECT_FALSE(far.step(1'000'000));
+}
+
 /// Faults drawn at random, in every state: always named, always standing, never a jump.
 TEST(AbbFaults, DrawnAtRandomTheyAreAlwaysNamedAndNothingJumps) {
   constexpr const char* kOrders[] = {

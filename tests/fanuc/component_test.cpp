@@ -62,6 +62,14 @@ TEST(FanucComponent, TheRobotFollowsPositionsInEachCycleOnce) {
   EXPECT_EQ(rig.component.cause(), Cause::none);
 }
 
+/// Else the clock would not wait in the first cycles, and a run would not repeat itself.
+TEST(FanucComponent, EachPacketIsAnsweredFromTheFirstOneOn) {
+  FanucRig rig;
+  ASSERT_TRUE(rig.configure()) << rig.component.reason();
+  ASSERT_EQ(rig.component.on_activate(), CallbackReturn::success) << rig.component.reason();
+  EXPECT_TRUE(rig.far().step(20'000'000'000));
+}
+
 TEST(FanucComponent, CommandsBeyondTheTablesAreHeldBackAndCaughtUp) {
   FanucRig rig;
   ASSERT_TRUE(rig.start()) << rig.component.reason();

@@ -151,6 +151,17 @@ TEST(FanucFaults, PacketsOfAStrangerAreNotTaken) {
   EXPECT_EQ(far.commands(), 0u);
 }
 
+TEST(FanucFaults, TheFirstPacketIsWaitedForToo) {
+  FarSide far(far_options());
+  far.hold_clock(true);
+  std::string why;
+  const Descriptor client = wire::connect_udp("127.0.0.1", far.stream_port(), why);
+  wire::send_datagram(client.number(), fanuc::encode_start(3));
+  far.settle();
+  ASSERT_TRUE(far.step(1'000'000)) << "nothing was sent before";
+  EXPECT_FALSE(far.step(1'000'000));
+}
+
 /// The services of the controller alone, cycle by cycle: a client may command what no driver would.
 TEST(FanucFaults, ACommandBeyondALimitIsNotDriven) {
   fanuc::FarFaults faults;

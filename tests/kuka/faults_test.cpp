@@ -240,6 +240,17 @@ TEST(KukaFaults, AnswersOfAStrangerAreNotTaken) {
   EXPECT_EQ(far.answers(), 0u);
 }
 
+TEST(KukaFaults, TheFirstPacketIsWaitedForToo) {
+  FarSide far(far_options());
+  far.hold_clock(true);
+  std::string why;
+  const Descriptor owner = wire::bind_udp("127.0.0.1", 0, why);
+  far.send_rsi_to("127.0.0.1", wire::local_port(owner.number()));
+  ASSERT_EQ(far.with([](kuka::Machine& m) { return m.start(); }), kuka::EkiResult::done);
+  while (far.packets() == 0) ASSERT_TRUE(far.step(1'000'000)) << "nothing was sent before";
+  EXPECT_FALSE(far.step(1'000'000));
+}
+
 /// An answer with another IPOC than that of the newest packet is late, and moves nothing.
 TEST(KukaFaults, AnAnswerWithAnotherClockIsLate) {
   kuka::Machine machine(far_options().machine);
