@@ -261,10 +261,8 @@ void Link::judge(Nanoseconds now) {
   if (current_.collision) return note(Cause::collision);
   if (sign_ == Sign::none && now - heard_ > settings_.silence) sign_ = Sign::silence;
   if (sign_ != Sign::none) {
-    if (asked_.exchange(sign_) != sign_) {
-      sign_since_ = now;
-      ::eventfd_write(services_wake_.number(), 1);
-    }
+    if (asked_ != sign_) sign_since_ = now;
+    ask_why(sign_);
     // The other robots of the cell must not wait for a controller that does not say why.
     if (now - sign_since_ > 2 * settings_.rws.http.timeout + kExplain) note(cause_of(sign_));
     return;

@@ -10,9 +10,7 @@
 #include <vector>
 
 #include "drivers/abb/egm.hpp"
-#include "drivers/abb/rws.hpp"
-#include "drivers/abb/words.hpp"
-#include "drivers/wire/link_base.hpp"
+#include "drivers/abb/rws_link.hpp"
 #include "drivers/wire/pacer.hpp"
 #include "drivers/wire/shaper.hpp"
 #include "drivers/wire/udp.hpp"
@@ -39,39 +37,15 @@ struct Sample {
   std::uint64_t shaped = 0;  ///< commands that were not sent as the loop gave them
 };
 
-inline constexpr std::size_t kMostSignals = 32;
-
-/// What Robot Web Services show.
-struct Panel {
-  enum class Control : std::uint8_t { other, motors_on, motors_off, guard_stop, emergency_stop, failure };
-  Control control = Control::other;
-  bool automatic = false, running = false;
-  double speed_ratio = 1;
-  std::array<bool, kMostSignals> inputs{}, outputs{};
-  Six joints{};  ///< rad, while EGM is silent
-  std::uint64_t count = 0;
-};
-
-/// NaN: stays as it is.
-struct Outputs {
-  std::array<double, kMostSignals> digital;
-  double speed_ratio;
-  Outputs() noexcept;
-};
-
-struct LinkSettings : wire::StreamSettings {
-  RwsSettings rws;
+struct LinkSettings : wire::StreamSettings, ControllerSettings {
   std::string egm_address;  ///< of this machine; empty: the one that reaches the controller
   int egm_port = 6510;
   int sampling_ms = 4;
-  std::string task = "T_ROB1";
-  std::vector<std::string> inputs, outputs;  ///< names of signals
-  bool motors_on = true;                     ///< activating may switch the motors on
-  bool speed_reference = true;               ///< commands carry the velocity too
-  wire::AxisLimits limits;                   ///< degrees, of commands
+  bool speed_reference = true;  ///< commands carry the velocity too
+  wire::AxisLimits limits;      ///< degrees, of commands
 };
 
-class Link : public wire::StreamLink<wire::LinkBase<Cause>, Sample, Panel> {
+class Link : public wire::StreamLink<RwsLink, Sample, Panel> {
  public:
   explicit Link(LinkSettings settings);
   ~Link() { close(); }
@@ -83,17 +57,11 @@ class Link : public wire::StreamLink<wire::LinkBase<Cause>, Sample, Panel> {
   bool start();
   /// Brakes the robot and stops the program.
   void stop();
-  /// Asks for states and signals once, and writes what changed. For simulated controllers, whose clock waits.
-  void serve_services();
 
   // --- control thread; nothing waits, locks or allocates ---
   /// The newest command, rad. Without `move` the robot holds where it was commanded last.
   void command(bool move, const Six& joints) noexcept;
-  void outputs(const Outputs& outputs) noexcept { outputs_.write(outputs); }
 
-  /// Valid after open().
-  const RwsIdentity& identity() const { return identity_; }
-  std::string fingerprint() const { return fingerprint_; }
   double rate() const { return 1000.0 / settings_.sampling_ms; }
   int egm_port() const { return wire::local_port(egm_.number()); }
 
@@ -103,24 +71,12 @@ class Link : public wire::StreamLink<wire::LinkBase<Cause>, Sample, Panel> {
     std::uint64_t count = 0;  ///< of the packet that the loop had read
     Six joints{};             ///< degrees
   };
-  /// What made the robot stop, as EGM shows it.
-  enum class Sign : std::uint8_t { none, motors, program, egm, error, silence, restart };
 
   // how it begins and ends; link_setup.cpp
-  bool refuse_rws();
-  bool connect_services();
   bool check_controller();
   bool bind_egm();
-  bool read_all();
-  bool read_signals(Panel& panel);
-  bool check_panel();
-  bool switch_motors_on();
-  bool begin_program();
   bool await_running();
-  bool refuse_why(Cause otherwise);
-  void stop_program();
   void run_egm();
-  void run_service_thread();
   void halt_threads();
   void begin_session();
 
@@ -146,31 +102,15 @@ class Link : public wire::StreamLink<wire::LinkBase<Cause>, Sample, Panel> {
   Cause cause_of(Sign sign) const noexcept;
   void end(Nanoseconds now);
 
-  // the thread of Robot Web Services; link_services.cpp
-  void run_services();
-  void serve_round();
-  bool write_outputs();
-  void say_why();
-  Rws::Failure find_why(Sign sign);
+  // of the thread of Robot Web Services
+  bool guided() const override { return phase_ != Phase::idle; }
+  void show(const Panel& panel) override { panels_.write(panel); }
+  Cause vague_cause() const override { return strange_ ? Cause::other_sender : Cause::silent; }
 
   LinkSettings settings_;
-  RwsIdentity identity_;
-  std::string fingerprint_;
-  bool open_ = false;
-  Descriptor egm_, services_wake_;
-  std::uint32_t controller_ = 0;  // its address, network byte order
-
-  std::recursive_mutex
-      rws_mutex_;  // the client, and what belongs to it; never the control thread's, nor EGM's
-  Rws rws_;
-  long seen_event_ = 0;
-  Outputs wanted_, written_;
-  Panel current_panel_;
-  int round_ = 0, failures_ = 0;
+  Descriptor egm_;
 
   realtime::Latest<Wanted> commands_;
-  realtime::Latest<Outputs> outputs_;
-  std::atomic<Sign> asked_{Sign::none};  // the services shall say why
   std::atomic<bool> strange_{false};     // somebody else sends to EGM's port
 
   std::atomic<bool> stop_wanted_{false};
@@ -189,7 +129,7 @@ class Link : public wire::StreamLink<wire::LinkBase<Cause>, Sample, Panel> {
   Nanoseconds heard_ = 0, ending_since_ = 0, began_ = 0, sign_since_ = 0;
   Cause unusable_ = Cause::none;  // what makes the packets of a start useless; with mutex_
   int unusable_detail_ = 0;
-  std::thread thread_, services_;
+  std::thread thread_;
 };
 
 }  // namespace polyarm::abb

@@ -1,8 +1,5 @@
-/// How a link begins and ends: version, options, modes, motors, the program that lets EGM move the robot.
-#include <arpa/inet.h>
-
+/// How a link begins and ends: options, and the program that lets EGM move the robot.
 #include <algorithm>
-#include <limits>
 #include <utility>
 
 #include "drivers/abb/link.hpp"
@@ -11,48 +8,15 @@
 
 namespace polyarm::abb {
 
-namespace {
-
-constexpr Nanoseconds kPause = 50'000'000;
-constexpr Nanoseconds kMotors = 5'000'000'000;  // for the motors to be on
-
-}  // namespace
-
-Outputs::Outputs() noexcept : speed_ratio(std::numeric_limits<double>::quiet_NaN()) {
-  digital.fill(std::numeric_limits<double>::quiet_NaN());
-}
-
 Link::Link(LinkSettings settings)
-    : StreamLink("the controller at " + settings.rws.http.host),
+    : StreamLink(settings, settings.stepped, settings.start_timeout),
       settings_(std::move(settings)),
-      services_wake_(::eventfd(0, EFD_NONBLOCK | EFD_CLOEXEC)),
-      rws_(settings_.rws),
       shaper_(settings_.sampling_ms / 1000.0),
       pacer_(settings_.loop_silence) {}
 
-bool Link::refuse_rws() {
-  const Rws::Failure why = rws_.failure();
-  return refuse(why.cause, why.detail, why.text);
-}
-
-bool Link::connect_services() {
-  if (!rws_.identify(identity_)) {
-    Rws::Failure why = rws_.failure();
-    // An IRC5 has no TLS, and an OmniCore answers HTTP with a redirection or not at all.
-    if (why.cause == Cause::rws_refused && (why.detail == 301 || why.detail == 302 || why.detail == 307))
-      why = {Cause::other_version, 3 - settings_.rws.version, ""};
-    return refuse(why.cause, why.detail, why.text);
-  }
-  fingerprint_ = rws_.http().fingerprint();
-  in_addr address{};
-  ::inet_pton(AF_INET, rws_.http().peer_address().c_str(), &address);
-  controller_ = address.s_addr;
-  return true;
-}
-
 bool Link::check_controller() {
-  if (!identity_.recent()) return refuse(Cause::old_software, 0, identity_.software);
-  if (!identity_.guided()) return refuse(Cause::no_option);
+  if (!identity().recent()) return refuse(Cause::old_software, 0, identity().software);
+  if (!identity().guided()) return refuse(Cause::no_option);
   return rws_.has_module(settings_.task, kModuleName) ? true : refuse_rws();
 }
 
@@ -70,21 +34,13 @@ bool Link::open() {
   const std::lock_guard lock(rws_mutex_);
   fault_.clear();
   refused_.clear();
-  asked_ = Sign::none;
   current_ = {};
-  written_ = wanted_ = Outputs();
-  current_panel_ = {};
-  round_ = failures_ = 0;
   began_ = realtime::monotonic_now();
-  bool fine = connect_services() && check_controller() && bind_egm();
-  if (fine && !(read_signals(current_panel_) && read_all())) fine = refuse_rws();
-  if (!fine) {
+  if (!(connect_services() && check_controller() && bind_egm() && read_first())) {
     rws_.close();
     egm_ = Descriptor();
     return false;
   }
-  ++current_panel_.count;
-  panels_.write(current_panel_);
   open_ = true;
   begin_session();
   run_egm();
@@ -121,59 +77,11 @@ void Link::run_egm() {
   thread_ = std::thread([this] { run(); });
 }
 
-void Link::run_service_thread() {
-  services_ = std::thread([this] { run_services(); });
-}
-
 void Link::halt_threads() {
   quit_ = true;
   wake();
-  ::eventfd_write(services_wake_.number(), 1);
   if (thread_.joinable()) thread_.join();
-  if (services_.joinable()) services_.join();
-}
-
-/// What a person has to change at the controller first.
-bool Link::check_panel() {
-  RwsState state;
-  if (!rws_.read_state(state)) return refuse_rws();
-  const Cause cause = cause_of_state(state.control, state.mode);
-  if (cause == Cause::motors_off) return settings_.motors_on ? switch_motors_on() : refuse(cause);
-  if (cause != Cause::none) return refuse(cause, 0, cause == Cause::manual_mode ? state.mode : "");
-  if (state.program != "running") return true;
-  return rws_.stop_program() ? true : refuse_rws();  // the program pointer moves only while it is stopped
-}
-
-bool Link::switch_motors_on() {
-  if (!rws_.motors(true)) {
-    const Rws::Failure why = rws_.failure();
-    return why.cause == Cause::rws_refused ? refuse(Cause::motors_refused, 0, why.text) : refuse_rws();
-  }
-  const Nanoseconds deadline = realtime::monotonic_now() + std::min(kMotors, settings_.start_timeout);
-  for (RwsState state;; wire::wait_readable(-1, kPause)) {
-    if (!rws_.read_state(state)) return refuse_rws();
-    if (state.control == "motoron") return true;
-    if (realtime::monotonic_now() > deadline) return refuse(Cause::motors_refused, 0, state.control);
-  }
-}
-
-bool Link::begin_program() {
-  if (!rws_.reset_pointer()) return refuse_rws();
-  if (rws_.start_program()) return true;
-  const Rws::Failure why = rws_.failure();
-  return why.cause == Cause::rws_refused || why.cause == Cause::forbidden
-             ? refuse(Cause::start_refused, 0, why.text)
-             : refuse_rws();
-}
-
-/// The event log first, then what is known.
-bool Link::refuse_why(Cause otherwise) {
-  const Rws::Failure why = find_why(Sign::silence);
-  if (why.cause == Cause::none)
-    return refuse(
-        otherwise, 0,
-        otherwise == Cause::no_packets ? rws_.http().own_address() + ":" + std::to_string(egm_port()) : "");
-  return refuse(why.cause, why.detail, why.text);
+  halt_service_thread();
 }
 
 bool Link::await_running() {
@@ -188,7 +96,8 @@ bool Link::await_running() {
   if (unusable_ == Cause::egm_error) return refuse_why(unusable_);
   if (unusable_ != Cause::none) return refuse(unusable_, unusable_detail_);
   if (current_.count > 0) return refuse_why(Cause::not_running);
-  return current_.strangers > 0 ? refuse(Cause::other_sender) : refuse_why(Cause::no_packets);
+  if (current_.strangers > 0) return refuse(Cause::other_sender);
+  return refuse_why(Cause::no_packets, rws_.http().own_address() + ":" + std::to_string(egm_port()));
 }
 
 bool Link::start() {
@@ -197,13 +106,7 @@ bool Link::start() {
   refused_.clear();
   halt_threads();
   const std::lock_guard lock(rws_mutex_);
-  round_ = 0;
-  const auto events = rws_.events();
-  bool fine = events ? true : refuse_rws();
-  if (events) seen_event_ = events->empty() ? 0 : events->front().sequence;
-  outputs_.fetch();  // what was wanted before counts no more
-  written_ = wanted_ = Outputs();
-  fine = fine && check_panel();
+  bool fine = begin_services() && check_panel();
   begin_session();
   if (fine) {
     phase_ = Phase::starting;
@@ -240,7 +143,7 @@ void Link::stop() {
     rws_.stop_program();
     current_panel_.joints = current_.q;  // those of before the motion are old
     panels_.write(current_panel_);
-    round_ = 0;
+    read_states_next();
   }
   if (fault_) return;
   begin_session();
