@@ -16,7 +16,8 @@ namespace {
 struct AbbArguments {
   std::string maker, robot = "abb/irb_120", address = "127.0.0.1", start, egm = "127.0.0.1:6510";
   std::string user = "Default User", password = "robotics";
-  int rws = 2, port = -1, sampling = 4;
+  std::string motion = "stream";
+  int rws = 2, port = -1, sampling = 4, moves_port = abb::kMovesPort;
   double max_speed = 60;
   std::vector<std::string> signals, wires, orders;
 };
@@ -34,6 +35,8 @@ abb::FarSideOptions abb_options(const AbbArguments& a) {
   out.rws_version = a.rws;
   out.rws = a.port >= 0 ? a.port : a.rws == 1 ? 8080 : 8443;
   out.user = a.user, out.password = a.password;
+  out.moves = a.moves_port;
+  if (a.motion == "forward") out.machine.modules = {abb::kMovesModule};
   const std::size_t colon = a.egm.rfind(':');
   const auto port = colon == std::string::npos ? std::nullopt : parse_number(a.egm.substr(colon + 1));
   if (!port || *port < 1 || *port > 65535)
@@ -66,6 +69,8 @@ int simulate(const AbbArguments& a) {
   for (const std::string& order : a.orders) far.order(order);
   tell(fmt::format("{} at {}: Robot Web Services {} at port {}, EGM every {} ms to {}", a.robot, a.address,
                    a.rws, far.rws_port(), a.sampling, a.egm));
+  if (a.motion == "forward")
+    tell(fmt::format("the program PolyarmMoves listens at port {}", far.moves_port()));
   tell("type `state`, or a fault such as e_stop; Ctrl-C ends it");
   serve_far_side([&] { show(far); }, [&](const std::string& line) { far.order(line); });
   return kOk;
@@ -92,12 +97,19 @@ int run_far_side_abb(int argc, char** argv) {
   app.add_option("--max-speed", a.max_speed, "degrees/s, MaxSpeedDeviation of EGM")
       ->range(0.1, 1000.0)
       ->capture_default_str();
+  app.add_option("--motion", a.motion, "stream: it has the module PolyarmEGM; forward: PolyarmMoves")
+      ->one_of({"stream", "forward"})
+      ->capture_default_str();
+  app.add_option("--moves-port", a.moves_port, "of PolyarmMoves, TCP; 0: a free one")
+      ->range(0, 65535)
+      ->capture_default_str();
   app.add_option("--user", a.user, "of Robot Web Services")->capture_default_str();
   app.add_option("--start", a.start, "six angles where the robot begins, in degrees");
   app.add_option("--signal", a.signals, "a digital signal; may be repeated");
   app.add_option("--wire", a.wires, "OUTPUT=INPUT: the signal follows the other one; may be repeated");
   app.add_option("--order", a.orders, "a fault from the beginning; may be repeated");
   app.footer(examples({"polyarm far-side abb", "polyarm far-side abb --rws 1 --wire doVacuum=diHolds",
+                       "polyarm far-side abb --motion forward --wire doVacuum=diHolds",
                        "polyarm far-side abb --order mastership"}) +
              "\nFaults, typed or with --order, as KIND or KIND=NUMBER:\n" + abb::FarSide::kinds());
   if (const auto code = app.parse(argc, argv)) return *code;

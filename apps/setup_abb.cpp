@@ -42,7 +42,7 @@ int run_setup_abb(int argc, char** argv) {
       "Looks at a controller of ABB and offers the RAPID module that the driver needs; nothing moves",
       "polyarm setup");
   abb::SetupOptions o;
-  std::string device, password_file;
+  std::string device, password_file, motion = "stream";
   bool yes = false;
   app.add_option("device", device, "abb")->required()->one_of({"abb"});
   app.add_option("--host", o.host,
@@ -54,6 +54,13 @@ int run_setup_abb(int argc, char** argv) {
   app.add_option("--password-file", password_file,
                  "file with the password; without it the maker's default one");
   app.add_option("--task", o.task, "RAPID task of the robot")->capture_default_str();
+  app.add_option("--motion", motion,
+                 "stream: the module PolyarmEGM; forward: PolyarmMoves, whose moves the controller makes")
+      ->one_of({"stream", "forward"})
+      ->capture_default_str();
+  app.add_option("--moves-port", o.moves_port, "forward: TCP port where PolyarmMoves listens")
+      ->range(1, 65535)
+      ->capture_default_str();
   app.add_option("--egm-port", o.egm_port, "UDP port of this computer for EGM")
       ->range(1, 65535)
       ->capture_default_str();
@@ -67,9 +74,11 @@ int run_setup_abb(int argc, char** argv) {
   app.add_flag("--install", o.install, "loads the module into the controller, after a question");
   app.add_flag("--yes", yes, "answers the question with yes");
   app.footer(examples({"polyarm setup abb --host 192.168.1.10 --write abb_files",
-                       "polyarm setup abb --host 192.168.1.10 --install"}));
+                       "polyarm setup abb --host 192.168.1.10 --install",
+                       "polyarm setup abb --host 192.168.1.10 --motion forward --install"}));
   if (const auto code = app.parse(argc, argv)) return *code;
   if (!password_file.empty()) o.password = std::string(trim(read_file(password_file)));
+  o.forward = motion == "forward";
   AbbTalk talk(yes);
   return abb::set_up(o, talk) ? kOk : kFailed;
 }

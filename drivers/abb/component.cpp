@@ -61,6 +61,18 @@ constexpr DriverParameter kParameters[] = {
      10000},
     {"connect_timeout", number, "2", "s for each connection and answer", 0.05, 60},
     {"start_timeout", number, "10", "s for EGM to begin", 0.05, 60},
+    {"motion", text, "stream",
+     "stream: this computer interpolates and streams joint positions over EGM; forward: the controller makes "
+     "the moves, with the RAPID module PolyarmMoves",
+     -std::numeric_limits<double>::infinity(), std::numeric_limits<double>::infinity(), "stream forward"},
+    {"moves_port", number, "54700", "forward: TCP port of PolyarmMoves", 1, 65535},
+    {"poll_ms", number, "20", "forward: ms between two readings of the joints", 4, 1000},
+    {"answer_ms", number, "1000", "forward: ms without an answer until the link counts as lost", 50, 20000},
+    {"watchdog_ms", number, "500",
+     "forward: ms without a request until the program on the controller stops the robot", 100, 10000},
+    {"line_acceleration", number, "2", "forward: m/s² of lines and arcs", 0.1, 20},
+    {"tool_mass", number, "0.5", "forward: kg, of the tool and what it carries", 0.001, 1000},
+    {"tool_centre", text, "0 0 0.05", "forward: m, the centre of that mass in tool0: x y z"},
 };
 constexpr hardware::DriverFacts kFacts = {
     "system", "robots of ABB with six axes: IRC5 and OmniCore with Externally Guided Motion",
@@ -143,6 +155,7 @@ CallbackReturn AbbComponent::on_init(const hardware::ComponentContext& context) 
   steps_ = wire::StepCheck(p.number("max_step"));
   constexpr const char* kTakes[] = {"position"};
   joints_ = wire::driven_joints(context, kTakes, "robots of ABB", p.problems());
+  const bool forward = p.text("motion") == "forward";
   p.problems().throw_if_errors();
   robot_ = context.robots.front().name;
   settings_.limits =
@@ -152,7 +165,11 @@ CallbackReturn AbbComponent::on_init(const hardware::ComponentContext& context) 
   settings_.outputs = signals_of("digital_out", p.text("digital_out"));
   check_names(settings_.inputs, settings_.outputs);
   outputs_ = Outputs();
-  link_ = std::make_unique<Link>(settings_);
+  forward_.reset(), link_.reset();
+  if (forward)
+    make_forward(context, p);
+  else
+    link_ = std::make_unique<Link>(settings_);
   return CallbackReturn::success;
 }
 
@@ -179,25 +196,24 @@ std::vector<hardware::InterfaceDescription> AbbComponent::command_interfaces() c
 
 CallbackReturn AbbComponent::on_configure() {
   guided_ = placed_ = false;
-  return StreamComponent::on_configure();
+  return ForwardComponent::on_configure();
 }
 
 CallbackReturn AbbComponent::on_activate() {
-  const CallbackReturn done = StreamComponent::on_activate();
+  const CallbackReturn done = ForwardComponent::on_activate();
   if (done == CallbackReturn::success) guided_ = true;
   return done;
 }
 
 CallbackReturn AbbComponent::on_deactivate() {
-  const CallbackReturn done = StreamComponent::on_deactivate();
+  const CallbackReturn done = ForwardComponent::on_deactivate();
   guided_ = false;
   return done;
 }
 
 /// Robot Web Services report the joints a few times a second. Between two reports a person at the FlexPendant can
 /// jog the robot far. Such a step is shown as a motion.
-const wire::Six& AbbComponent::shown_position(bool guided, double dt) noexcept {
-  const wire::Six& at = guided ? link_->sample().q : link_->panel().joints;
+const wire::Six& AbbComponent::shown_position(const wire::Six& at, bool guided, double dt) noexcept {
   const double most = kShownSpeed * dt;
   for (std::size_t j = 0; j < 6; ++j)
     shown_[j] = guided || !placed_ ? at[j] : shown_[j] + std::clamp(at[j] - shown_[j], -most, most);
@@ -206,11 +222,12 @@ const wire::Six& AbbComponent::shown_position(bool guided, double dt) noexcept {
 }
 
 ReturnType AbbComponent::read(const hardware::Cycle& cycle, std::span<double> states) noexcept {
+  if (forward_) return read_forward(cycle, states);
   link_->fetch();
   const Sample& sample = link_->sample();
   const Panel& panel = link_->panel();
   const bool guided = guided_ && sample.count > 0;
-  const wire::Six& shown = shown_position(guided, seconds(cycle.period));
+  const wire::Six& shown = shown_position(guided ? sample.q : panel.joints, guided, seconds(cycle.period));
   std::size_t at = 0;
   for (std::size_t j = 0; j < 6; ++j) {
     states[at++] = shown[j];
@@ -228,16 +245,26 @@ ReturnType AbbComponent::read(const hardware::Cycle& cycle, std::span<double> st
         sample.converged ? 1.0 : 0.0, panel.speed_ratio, sample.utilization, static_cast<double>(sample.lost),
         sample.behind, static_cast<double>(sample.shaped)})
     states[at++] = value;
-  for (std::size_t i = 0; i < settings_.inputs.size(); ++i) states[at++] = panel.inputs[i];
-  for (std::size_t i = 0; i < settings_.outputs.size(); ++i) states[at++] = panel.outputs[i];
+  show_signals(panel, states.subspan(at));
   return link_->cause() == Cause::none ? ReturnType::ok : ReturnType::error;
 }
 
-ReturnType AbbComponent::write(const hardware::Cycle&, std::span<const double> commands) noexcept {
-  if (link_->cause() != Cause::none) return ReturnType::error;
-  if (!active_) return ReturnType::ok;
+void AbbComponent::show_signals(const Panel& panel, std::span<double> states) const noexcept {
+  std::size_t at = 0;
+  for (std::size_t i = 0; i < settings_.inputs.size(); ++i) states[at++] = panel.inputs[i];
+  for (std::size_t i = 0; i < settings_.outputs.size(); ++i) states[at++] = panel.outputs[i];
+}
+
+void AbbComponent::take_outputs(std::span<const double> commands) noexcept {
   outputs_.speed_ratio = commands[6];
   std::copy_n(commands.begin() + 7, settings_.outputs.size(), outputs_.digital.begin());
+}
+
+ReturnType AbbComponent::write(const hardware::Cycle&, std::span<const double> commands) noexcept {
+  if (forward_) return write_forward(commands);
+  if (link_->cause() != Cause::none) return ReturnType::error;
+  if (!active_) return ReturnType::ok;
+  take_outputs(commands);
   link_->outputs(outputs_);
   return write_joints(commands);
 }
@@ -247,12 +274,14 @@ const hardware::DriverFacts* AbbComponent::facts() const noexcept {
 }
 
 std::string AbbComponent::summary() const {
-  if (!link_) return {};
-  std::string out =
-      fmt::format("ABB controller at {}, RobotWare {}, Robot Web Services {}, EGM at {:g} Hz",
-                  settings_.rws.http.host, link_->identity().software, settings_.rws.version, link_->rate());
+  const RwsLink* link = forward_ ? static_cast<const RwsLink*>(forward_.get()) : link_.get();
+  if (!link) return {};
+  std::string out = fmt::format("ABB controller at {}, RobotWare {}, Robot Web Services {}, ",
+                                settings_.rws.http.host, link->identity().software, settings_.rws.version);
+  out += forward_ ? "its own motion by the RAPID program PolyarmMoves"
+                  : fmt::format("EGM at {:g} Hz", link_->rate());
   if (settings_.rws.version == 2 && settings_.rws.http.fingerprint.empty())
-    out += "; any certificate is accepted: write `fingerprint: " + link_->fingerprint() +
+    out += "; any certificate is accepted: write `fingerprint: " + link->fingerprint() +
            "` to accept only this one";
   return out;
 }

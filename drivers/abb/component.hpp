@@ -1,10 +1,13 @@
 #pragma once
-/// A robot of ABB with six axes (IRC5 or OmniCore) over Externally Guided Motion and Robot Web Services.
+/// A robot of ABB with six axes (IRC5 or OmniCore) over Externally Guided Motion and Robot Web Services, or
+/// with `motion: forward` over our RAPID program PolyarmMoves instead of EGM.
 #include <memory>
 #include <string>
 #include <vector>
 
+#include "drivers/abb/forward_link.hpp"
 #include "drivers/abb/link.hpp"
+#include "drivers/forward/forward_component.hpp"
 #include "drivers/wire/stream_component.hpp"
 
 namespace polyarm::abb {
@@ -19,8 +22,14 @@ namespace polyarm::abb {
 /// Configuring connects, reads and moves nothing. Activating starts the controller's program; the robot
 /// stands still, and the first command must be at the measured position. Deactivating brakes the robot and
 /// stops the program. When commands stop for any reason, the controller's own watchdog stops the robot.
-class AbbComponent : public wire::StreamComponent<Link, Cause> {
+///
+/// In forward mode the commands of joints are not sent: moves come over ForwardMoves, and go to the program.
+/// States that only EGM has are NaN or 0.
+class AbbComponent
+    : public forward::ForwardComponent<wire::StreamComponent<Link, Cause>, ForwardLink, Cause> {
  public:
+  static constexpr std::size_t kStates = 2;  ///< of each joint, the position first
+
   hardware::CallbackReturn on_init(const hardware::ComponentContext& context) override;
   hardware::CallbackReturn on_configure() override;
   hardware::CallbackReturn on_activate() override;
@@ -34,10 +43,17 @@ class AbbComponent : public wire::StreamComponent<Link, Cause> {
   std::string summary() const override;
 
  protected:
+  const std::vector<std::string>& joint_names() const { return joints_; }
   bool stepped_services_ = false;
 
  private:
-  const wire::Six& shown_position(bool guided, double dt) noexcept;
+  void make_forward(const hardware::ComponentContext& context, hardware::DriverParameters& p);
+  hardware::ReturnType read_forward(const hardware::Cycle& cycle, std::span<double> states) noexcept;
+  hardware::ReturnType write_forward(std::span<const double> commands) noexcept;
+  void show_signals(const Panel& panel, std::span<double> states) const noexcept;
+  void take_outputs(std::span<const double> commands) noexcept;
+  /// `at`: where the robot is; `guided`: by our program, so that it does not jump.
+  const wire::Six& shown_position(const wire::Six& at, bool guided, double dt) noexcept;
 
   LinkSettings settings_;
   std::string name_, robot_;
@@ -46,6 +62,7 @@ class AbbComponent : public wire::StreamComponent<Link, Cause> {
   std::atomic<bool> guided_{false};  ///< from the first packet until the program is stopped
   bool placed_ = false;              ///< shown_ is a position of the robot
   wire::Six shown_{};                ///< rad
+  std::uint64_t shown_count_ = 0;    ///< of positions that were shown without a session of moves
   Outputs outputs_;
 };
 

@@ -44,7 +44,8 @@ CallbackReturn FakeAbb::on_init(const hardware::ComponentContext& context) {
   FarSideOptions options;
   options.machine = machine_of(context.robots.front(), context.period);
   if (const auto speed = parse_number(given("max_speed"))) options.machine.rapid.max_speed = *speed;
-  options.rws = options.egm = 0;
+  options.rws = options.egm = options.moves = 0;
+  if (given("motion") == "forward") options.machine.modules = {kMovesModule};
   options.rws_version = given("rws") == "1" ? 1 : 2;
   if (options.rws_version == 1) options.machine.software = "6.16.02.00";
   // A driver that falls behind would answer many packets at once.
@@ -61,19 +62,25 @@ CallbackReturn FakeAbb::on_init(const hardware::ComponentContext& context) {
   own.parameters["pace"] = "false";
   own.parameters.erase("password_file");  // the simulated one has the maker's default
   own.parameters.erase("user");
-  return AbbComponent::on_init(own);
+  own.parameters["moves_port"] = std::to_string(far_->moves_port());
+  own.parameters.try_emplace("answer_ms", "20000");
+  own.parameters.try_emplace("watchdog_ms", "5000");
+  return SimulatedComponent::on_init(own);
 }
 
 CallbackReturn FakeAbb::on_configure() {
   const CallbackReturn done = SimulatedComponent::on_configure();
-  if (done == CallbackReturn::success) far_->send_egm_to("127.0.0.1", link()->egm_port());
+  if (done == CallbackReturn::success && link()) far_->send_egm_to("127.0.0.1", link()->egm_port());
   return done;
 }
 
 hardware::ReturnType FakeAbb::read(const hardware::Cycle& cycle, std::span<double> states) noexcept {
-  step(seconds(cycle.period));
-  if (is_due(kServices)) link()->serve_services();
-  return AbbComponent::read(cycle, states);
+  if (forward())
+    step_asked(seconds(cycle.period), *forward());
+  else
+    step(seconds(cycle.period));
+  if (is_due(kServices)) forward() ? forward()->serve_services() : link()->serve_services();
+  return SimulatedComponent::read(cycle, states);
 }
 
 std::string FakeAbb::summary() const {

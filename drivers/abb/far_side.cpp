@@ -46,6 +46,15 @@ constexpr wire::OrderKind kKinds[] = {
     {"no_option", "Externally Guided Motion is not installed"},
     {"no_module", "the RAPID module is not loaded"},
     {"locked_signals", "signals cannot be written"},
+    {"play", "somebody presses Start at the FlexPendant"},
+    {"refuse_moves", "the program PolyarmMoves takes no moves"},
+    {"failing_move", "it cannot make the next move"},
+    {"mute_moves", "it gives no answers"},
+    {"nonsense_moves", "its answers are broken"},
+    {"close_moves", "it closes its connections"},
+    {"silent_halts", "it never says that it stopped the robot"},
+    {"other_program", "it has another version"},
+    {"other_base", "the base of the robot is not its world frame"},
     {"refuse_start", "the program does not start"},
     {"refuse_motors", "the motors do not switch on"},
     {"power_off", "the controller loses its power"},
@@ -59,18 +68,21 @@ FarSide::FarSide(FarSideOptions options)
       machine_(options_.machine),
       egm_(machine_, faults_),
       rws_(machine_, faults_, options_.rws_version),
+      move_port_(machine_, move_faults_),
       clock_(options_.patience) {
   rws_.set_user(options_.user, options_.password);
   if (options_.request_time > 0) rws_.set_request_time(options_.request_time);
   rws_.listen(options_.address, options_.rws);
   egm_.open(options_.address);
+  move_port_.listen(options_.address, options_.moves);
   if (options_.egm > 0) egm_.send_to(options_.egm_host, options_.egm);
   clock_.start(nanoseconds(period()),
                {[this](std::vector<int>& open) {
                   open.push_back(egm_.descriptor());
                   rws_.descriptors(open);
+                  move_port_.descriptors(open);
                 },
-                [this] { serve(); }, [this] { return egm_.waits(); }, [this] { egm_.cycle(); }});
+                [this] { serve(); }, [this] { return egm_.waits(); }, [this] { cycle(); }});
 }
 
 void FarSide::send_egm_to(const std::string& host, int port) {
@@ -99,6 +111,7 @@ void FarSide::order_by_hand(const wire::Order& order) {
   if (order.is("event")) machine_.stop_with(order.number_or(50063), "ordered");
   if (order.is("system_failure")) machine_.fail();
   if (order.is("restart")) machine_.restart();
+  if (order.is("play")) machine_.press_start();
 }
 
 void FarSide::order_on_wires(const wire::Order& order) {
@@ -115,11 +128,19 @@ void FarSide::order_on_wires(const wire::Order& order) {
                    {"nonsense", &faults_.nonsense},
                    {"no_option", &faults_.no_option},
                    {"egm_error", &faults_.egm_error},
+                   {"refuse_moves", &move_faults_.refuse},
+                   {"failing_move", &move_faults_.fails},
+                   {"mute_moves", &move_faults_.mute},
+                   {"nonsense_moves", &move_faults_.nonsense},
+                   {"silent_halts", &move_faults_.confirms_not},
+                   {"other_program", &move_faults_.other_version},
+                   {"other_base", &move_faults_.other_base},
                    {"refuse_start", &faults_.refuse_start},
                    {"refuse_motors", &faults_.refuse_motors},
                    {"power_off", &faults_.power_off},
                    {"locked_signals", &machine_.locked_signals}});
   if (order.is("close_rws")) rws_.drop();
+  if (order.is("close_moves") || order.is("power_off")) move_port_.drop();
   if (order.is("old_software")) machine_.options().software = "6.05.00.00";
   if (order.is("no_module")) machine_.options().modules.clear();
   if (order.is("power_off")) {
@@ -128,6 +149,7 @@ void FarSide::order_on_wires(const wire::Order& order) {
   }
   if (!order.is("healthy")) return;
   faults_ = {};
+  move_faults_ = {};
   machine_.locked_signals = false;
   machine_.options().software = options_.machine.software;
   machine_.options().modules = options_.machine.modules;
@@ -139,9 +161,15 @@ bool FarSide::step(Nanoseconds patience) {
   });
 }
 
+void FarSide::cycle() {
+  move_port_.step(period());
+  egm_.cycle();
+}
+
 void FarSide::serve() {
   egm_.serve();
   rws_.serve();
+  move_port_.serve();
   report_change(machine_.program_runs(), "the program runs", "the program ended");
 }
 

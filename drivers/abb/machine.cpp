@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "drivers/forward/move_frame.hpp"
 #include "drivers/wire/six_axes.hpp"
 #include "polyarm/base/bounds.hpp"
 
@@ -12,6 +13,7 @@ namespace polyarm::abb {
 namespace {
 
 constexpr double kStopRamp = 0.1;                   // s, of the safety system's stops
+constexpr double kOverspeed = 1.05;                 // of a joint's limit
 constexpr double kConverged = 0.05, kStill = 1e-9;  // degrees; degrees/s
 
 }  // namespace
@@ -24,6 +26,8 @@ MachineFacts facts_of(const description::RobotModel& model) {
   out.upper = axes.upper;
   out.velocity = axes.velocity;
   out.chain = std::make_shared<const kinematics::Chain>(model, axes.flange);
+  out.tool_flange =
+      std::make_shared<const kinematics::Chain>(model, forward::tool_flange(model, axes.flange));
   return out;
 }
 
@@ -59,7 +63,8 @@ EgmState Machine::egm_state() const {
 
 /// Comes to rest on a straight ramp, whatever moved it.
 void Machine::stop_motion(double ramp) {
-  if (egm_ == Egm::running) ramp_ = std::max(ramp, 1e-3);
+  if (egm_ == Egm::running || moves_) ramp_ = std::max(ramp, 1e-3);
+  next_.reset();
   egm_ = egm_ == Egm::running ? Egm::ending : Egm::none;
 }
 
@@ -107,14 +112,15 @@ void Machine::fail() {
 }
 
 void Machine::restart() {
-  failed_ = collided_ = running_ = false;
+  failed_ = collided_ = running_ = moves_ = false;
+  next_.reset();
   egm_ = Egm::none;
   v_ = {};
 }
 
 void Machine::collide() {
   event(50204, 3, "Motion supervision");
-  collided_ = egm_moves();
+  collided_ = egm_moves() || may_move();
   stop_program("motion supervision");
 }
 
@@ -155,15 +161,36 @@ std::string Machine::reset_pointer() {
 std::string Machine::start_program() {
   if (running_) return "The program runs already";
   if (!motors_ || mode_ != Mode::automatic) return "Motors are not on in automatic mode";
-  if (!options_.modules.contains(kModuleName)) return "Unknown procedure main";
-  if (!std::exchange(pointer_at_main_, false)) return "The program pointer is not set";
+  if (!options_.modules.contains(kModuleName) && !options_.modules.contains(kMovesModule))
+    return "Unknown procedure main";
+  return begin_at_main() ? "" : "The program pointer is not set";
+}
+
+bool Machine::begin_at_main() {
+  if (!std::exchange(pointer_at_main_, false)) return false;
   event(10151, 1, "Program started");
   running_ = true;
   ++starts_;
   collided_ = referenced_ = converged_ = false;
-  egm_ = Egm::beginning;
+  moves_ = options_.modules.contains(kMovesModule);
+  egm_ = moves_ ? Egm::none : Egm::beginning;
   since_begin_ = since_message_ = since_run_ = 0;
-  return {};
+  return true;
+}
+
+void Machine::press_start() {
+  if (running_ || !motors_ || mode_ != Mode::automatic || begin_at_main()) return;
+  running_ = moves_;
+  if (running_) event(10151, 1, "Program started");
+}
+
+void Machine::brake_moves() {
+  next_.reset();
+  ramp_ = std::max(options_.rapid.ramp_out, 1e-3);
+}
+
+bool Machine::still() const {
+  return std::all_of(v_.begin(), v_.end(), [](double v) { return v == 0; });
 }
 
 std::string Machine::set_signal(const std::string& name, bool on) {
@@ -209,6 +236,9 @@ void Machine::follow(double dt) {
 void Machine::move(double dt) {
   if (egm_ == Egm::running) {
     follow(dt);
+  } else if (next_) {
+    for (std::size_t i = 0; i < 6; ++i) v_[i] = ((*next_)[i] - q_[i]) / dt;
+    ramp_ = 0;  // what is left of an earlier stop
   } else {
     for (double& v : v_) v = ramp_ > dt ? v * (1 - dt / ramp_) : 0;
     ramp_ = std::max(0.0, ramp_ - dt);
@@ -218,7 +248,17 @@ void Machine::move(double dt) {
     if (std::abs(v_[i]) < kStill) v_[i] = 0;
     q_[i] += v_[i] * dt;
     fastest_ = std::max(fastest_, std::abs(v_[i]));
+    if (moves_) jump_ = std::max(jump_, std::abs(v_[i] * dt));
   }
+  judge_speed();
+}
+
+/// Of moves; EGM has a limit of its own.
+void Machine::judge_speed() {
+  if (!std::exchange(next_, std::nullopt)) return;
+  for (std::size_t i = 0; i < 6; ++i)
+    if (std::abs(v_[i]) > kOverspeed * options_.facts.velocity[i])
+      return stop_with(50052, "Joint speed error: rob1_" + std::to_string(i + 1));
 }
 
 void Machine::judge_range() {
@@ -227,7 +267,7 @@ void Machine::judge_range() {
     if (inside == q_[i]) continue;
     q_[i] = inside;
     v_[i] = 0;
-    if (egm_moves()) stop_with(50027, "Joint Out of Range: rob1_" + std::to_string(i + 1));
+    if (egm_moves() || may_move()) stop_with(50027, "Joint Out of Range: rob1_" + std::to_string(i + 1));
   }
 }
 
@@ -250,11 +290,19 @@ double Machine::utilization() const {
   return out;
 }
 
-Pose Machine::flange() const {
-  if (!options_.facts.chain) return {};
+Pose Machine::pose_of(const kinematics::Chain* chain) const {
+  if (!chain) return {};
   Six q;
   for (std::size_t i = 0; i < 6; ++i) q[i] = q_[i] / wire::kDegrees;
-  return options_.facts.chain->forward(q);
+  return chain->forward(q);
+}
+
+Pose Machine::flange() const {
+  return pose_of(options_.facts.chain.get());
+}
+
+Pose Machine::tool0() const {
+  return pose_of(options_.facts.tool_flange.get());
 }
 
 }  // namespace polyarm::abb

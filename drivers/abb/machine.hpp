@@ -6,6 +6,7 @@
 #include <deque>
 #include <map>
 #include <memory>
+#include <optional>
 #include <set>
 #include <string>
 #include <utility>
@@ -27,7 +28,7 @@ using wire::Six;
 struct MachineFacts {
   std::string model = "IRB 120";
   Six lower{}, upper{}, velocity{};
-  std::shared_ptr<const kinematics::Chain> chain;
+  std::shared_ptr<const kinematics::Chain> chain, tool_flange;  ///< tool_flange: of tool0
 };
 /// From a model of six revolute joints in a chain. Throws Error("bad-model").
 MachineFacts facts_of(const description::RobotModel& model);
@@ -69,6 +70,18 @@ class Machine {
   void stop_program(const std::string& why = "");
   std::string set_signal(const std::string& name, bool on);
 
+  // Moves of our program PolyarmMoves; far_moves.hpp makes them.
+  /// The setpoint after the next step.
+  void drive(const Six& next) { next_ = next; }
+  /// The robot comes to rest on a straight ramp.
+  void brake_moves();
+  bool still() const;
+  bool may_move() const { return running_ && moves_; }
+  /// The program that runs, or ran last, is PolyarmMoves.
+  bool makes_moves() const { return moves_; }
+  /// Somebody presses Start at the FlexPendant: a program that was stopped goes on, with its path.
+  void press_start();
+
   /// A message of EGM for the robot.
   void take(const EgmSensor& message);
 
@@ -104,17 +117,23 @@ class Machine {
   void set_input(const std::string& name, bool on) { options_.signals[name] = on; }
   bool locked_signals = false;  ///< Robot Web Services may not write them
   Pose flange() const;
+  Pose tool0() const;
 
  private:
   void follow(double dt);
   void move(double dt);
   void stop_motion(double ramp);
   void judge_range();
+  void judge_speed();
   bool egm_moves() const { return egm_ == Egm::running; }
+  bool begin_at_main();
+  Pose pose_of(const kinematics::Chain* chain) const;
 
   MachineOptions options_;
   Six q_, v_{}, reference_{}, speed_{};
   double time_ = 0, jump_ = 0, fastest_ = 0, since_begin_ = 0, since_message_ = 0, since_run_ = 0, ramp_ = 0;
+  std::optional<Six> next_;
+  bool moves_ = false;
   bool motors_ = true, emergency_ = false, guard_ = false, failed_ = false, running_ = false;
   bool referenced_ = false, converged_ = false, collided_ = false, pointer_at_main_ = true;
   Mode mode_ = Mode::automatic;

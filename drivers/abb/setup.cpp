@@ -62,6 +62,7 @@ class Setup {
   }
   bool check_software() {
     if (!identity_.recent()) talk_.say("  " + sentence(Cause::old_software, 0, where(), identity_.software));
+    if (options_.forward) return identity_.recent();
     if (!identity_.guided()) talk_.say("  " + sentence(Cause::no_option, 0, where(), ""));
     if (identity_.recent() && identity_.guided()) talk_.say("  Externally Guided Motion is installed");
     return identity_.recent() && identity_.guided();
@@ -75,18 +76,26 @@ class Setup {
     talk_.say("  " + sentence(cause, 0, where(), ""));
     return false;
   }
+  std::string module() const { return options_.forward ? kMovesModule : kModuleName; }
+  std::string module_file() const { return options_.forward ? kMovesFile : kModuleFile; }
+  std::string module_text() const {
+    return options_.forward ? rapid_moves_module(options_.host, options_.moves_port)
+                            : rapid_module(options_.rapid);
+  }
   bool check_module() {
-    if (rws_->has_module(options_.task, kModuleName)) {
-      talk_.say(std::string("  the module ") + kModuleName + " is loaded in " + options_.task);
+    if (rws_->has_module(options_.task, module())) {
+      talk_.say("  the module " + module() + " is loaded in " + options_.task);
       return true;
     }
-    say_failure();
+    if (options_.forward && rws_->failure().cause == Cause::no_module)
+      talk_.say("  " + sentence(Cause::no_moves_module, 0, where(), options_.task));
+    else
+      say_failure();
     if (!options_.install) return false;
-    if (!talk_.agree("Write " + std::string(kModuleFile) + " to the controller and load it into " +
-                     options_.task + "? Its main() must be the only one there"))
+    if (!talk_.agree("Write " + module_file() + " to the controller and load it into " + options_.task +
+                     "? Its main() must be the only one there"))
       return false;
-    if (!rws_->put_file(kModuleFile, rapid_module(options_.rapid)) ||
-        !rws_->load_module(options_.task, kModuleFile))
+    if (!rws_->put_file(module_file(), module_text()) || !rws_->load_module(options_.task, module_file()))
       return say_failure(), false;
     talk_.say("  loaded");
     return true;
@@ -94,12 +103,18 @@ class Setup {
   void write_files() {
     const std::filesystem::path folder = options_.folder;
     std::filesystem::create_directories(folder);
-    write_file_atomically(folder / kModuleFile, rapid_module(options_.rapid));
+    write_file_atomically(folder / module_file(), module_text());
+    if (options_.forward) return talk_.say("  written: " + (folder / module_file()).string());
     write_file_atomically(folder / "Polyarm_SIO.cfg",
                           device_text(rws_->http().own_address(), options_.egm_port));
     talk_.say("  written: " + (folder / kModuleFile).string() + ", " + (folder / "Polyarm_SIO.cfg").string());
   }
   void say_device() {
+    if (options_.forward)
+      return talk_.say("The module listens at " + options_.host + ", TCP port " +
+                       std::to_string(options_.moves_port) +
+                       ". Sockets need an option on IRC5 (616-1 PC Interface); allow the port in the "
+                       "controller's firewall.");
     talk_.say(
         "On the controller, configuration topic Communication (RobotWare 6: UDPUC in Transmission Protocol; "
         "RobotWare 7: UDPUC Device), there must be: Name " +

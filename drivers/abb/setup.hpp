@@ -13,6 +13,8 @@ struct SetupOptions {
   int rws = 0, port = 0;  ///< 0: both versions are tried, at their own ports
   std::string user = "Default User", password = "robotics", task = "T_ROB1";
   int egm_port = 6510;
+  bool forward = false;  ///< the module of forward mode, not that of EGM
+  int moves_port = kMovesPort;
   RapidSettings rapid;
   std::string folder;    ///< where the texts are written; empty: nowhere
   bool install = false;  ///< loads the module into the controller, after a yes

@@ -54,8 +54,21 @@ const char* name(Cause cause) {
                                     "loop-silent",
                                     "jump",
                                     "wrong-rate",
-                                    "port-taken"};
-  static_assert(std::size(kNames) == static_cast<std::size_t>(Cause::port_taken) + 1);
+                                    "port-taken",
+                                    "no-moves-module",
+                                    "moves-unreachable",
+                                    "moves-version",
+                                    "moves-silent",
+                                    "moves-closed",
+                                    "moves-bad-data",
+                                    "moves-refused",
+                                    "moves-ended",
+                                    "move-failed",
+                                    "frame-differs",
+                                    "joint-commands",
+                                    "off-target",
+                                    "halt-unconfirmed"};
+  static_assert(std::size(kNames) == static_cast<std::size_t>(Cause::halt_unconfirmed) + 1);
   return kNames[static_cast<std::size_t>(cause)];
 }
 
@@ -252,13 +265,65 @@ std::string motion_sentence(Cause cause, int detail, const std::string& where, c
   }
 }
 
+/// Forward mode.
+std::string moves_sentence(Cause cause, int detail, const std::string& where, const std::string& text) {
+  const std::string program = "the program PolyarmMoves of " + where;
+  switch (cause) {
+    case Cause::no_moves_module:
+      return "the task " + text + " of " + where +
+             " does not have the module PolyarmMoves: `polyarm setup abb --motion forward` writes and "
+             "installs it";
+    case Cause::moves_unreachable:
+      return program + " is not reached: " + text +
+             "; check `moves_port`, the address in the module, and the option for sockets (PC Interface)";
+    case Cause::moves_version:
+      return program + " has version " + std::to_string(detail) +
+             ", another one than this driver: install it again with `polyarm setup abb --motion forward`";
+    case Cause::moves_silent:
+      return program +
+             " does not answer: check cable and power, and that no other client is connected to it; it takes "
+             "one at a time";
+    case Cause::moves_closed:
+      return program + " closed the connection: it was started again there, or it ended; recover here";
+    case Cause::moves_bad_data:
+      return program +
+             " sent what is no answer of it: check `moves_port`, and that nothing else listens there";
+    case Cause::moves_refused:
+      return program + " takes no move (" + std::to_string(detail) +
+             "): its places are full or its session is over; recover here, which begins a new one";
+    case Cause::moves_ended:
+      return program +
+             " ended the session by itself: no request reached it within `watchdog_ms`; use a cable, and "
+             "recover here";
+    case Cause::move_failed:
+      return program + " could not make a move (error " + std::to_string(detail) +
+             "): look into the event log of the controller, and change the target or the path";
+    case Cause::frame_differs:
+      return "the flange of " + where + " is elsewhere than in the cell (" + text +
+             "): the robot's model must be the real one, and its base the world frame of the controller";
+    case Cause::joint_commands:
+      return wire::joint_commands_sentence(detail, where);
+    case Cause::off_target:
+      return "joint " + std::to_string(detail + 1) + " of " + where +
+             " is not where its move ended, though the program there says that it did: check that nothing "
+             "else moves the robot, and its calibration";
+    case Cause::halt_unconfirmed:
+      return program +
+             " does not say that it stopped the robot: look at the FlexPendant for a message, stop the "
+             "program there, then recover here";
+    default:
+      return {};
+  }
+}
+
 }  // namespace
 
 std::string sentence(Cause cause, int detail, const std::string& where, const std::string& text) {
   if (cause == Cause::none) return {};
   if (std::string out = service_sentence(cause, detail, where, text); !out.empty()) return out;
   if (std::string out = state_sentence(cause, where, text); !out.empty()) return out;
-  return motion_sentence(cause, detail, where, text);
+  if (std::string out = motion_sentence(cause, detail, where, text); !out.empty()) return out;
+  return moves_sentence(cause, detail, where, text);
 }
 
 Cause cause_of_event(int code) {

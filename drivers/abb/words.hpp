@@ -53,9 +53,22 @@ enum class Cause : std::uint8_t {
   event,     ///< detail: number of an entry of its event log; text: title
   too_fast,  ///< the loop asks for more than the limits; detail: axis * 3 + LimitKind
   loop_silent,
-  jump,        ///< detail: joint
-  wrong_rate,  ///< detail: Hz of the controller
-  port_taken,  ///< text: the system's
+  jump,               ///< detail: joint
+  wrong_rate,         ///< detail: Hz of the controller
+  port_taken,         ///< text: the system's
+  no_moves_module,    ///< our RAPID module of forward mode is not loaded; text: task
+  moves_unreachable,  ///< the port of that program; text: what to check, of the socket
+  moves_version,      ///< detail: the program's
+  moves_silent,       ///< it runs, and does not answer
+  moves_closed,       ///< its connection ended
+  moves_bad_data,
+  moves_refused,   ///< detail: MoveResult
+  moves_ended,     ///< the program ended the session by itself
+  move_failed,     ///< detail: number of the error
+  frame_differs,   ///< text: by how much
+  joint_commands,  ///< detail: joint
+  off_target,      ///< detail: joint
+  halt_unconfirmed,
 };
 const char* name(Cause cause);
 

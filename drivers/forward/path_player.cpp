@@ -110,21 +110,29 @@ bool PathPlayer::shape_path(const PlayedMove& move, const Six& from, std::vector
   return true;
 }
 
+/// At which a way takes this time: time = way / speed + speed / acceleration.
+double PathPlayer::speed_for(double time, double way, double acceleration) {
+  const double reached = acceleration * time, inside = reached * reached - 4 * acceleration * way;
+  return inside > 0 ? (reached - std::sqrt(inside)) / 2 : reached / 2;
+}
+
 /// Of the joint that turns most; with a share, no joint exceeds that share of its speed.
 void PathPlayer::set_joint_speeds(const PlayedMove& move, Part& part) const {
   const Six &from = part.q.front(), &to = part.q.back();
   double most = 0;
   for (std::size_t i = 0; i < 6; ++i) most = std::max(most, std::abs(to[i] - from[i]));
   double speed = move.speed, acceleration = move.acceleration;
-  if (move.share > 0) {
+  const double share = move.joint_time > 0 ? 1 : move.share;
+  if (share > 0) {
     speed = acceleration = INFINITY;
     for (std::size_t i = 0; i < 6; ++i) {
       const double way = std::abs(to[i] - from[i]);
       const double gear = most > kNothing && way > kNothing ? most / way : most > kNothing ? INFINITY : 1;
-      speed = std::min(speed, move.share * arm_.velocity[i] * gear);
+      speed = std::min(speed, share * arm_.velocity[i] * gear);
       acceleration = std::min(acceleration, move.acceleration * arm_.acceleration[i] * gear);
     }
   }
+  if (move.joint_time > 0) speed = std::min(speed, speed_for(move.joint_time, most, acceleration));
   const double gear = most > kNothing ? part.length() / most : 1;
   part.acceleration = acceleration * gear;
   std::fill(part.limit.begin(), part.limit.end(), speed * gear);
@@ -144,10 +152,9 @@ void PathPlayer::set_speeds(const PlayedMove& move, Part& part) const {
   double time = move.time;
   if (move.turn > 0)
     time = angle_between(tcp(part.q.front()).rotation, tcp(part.q.back()).rotation) / move.turn;
-  if (time > 0) {  // time = way / speed + speed / acceleration
-    const double a = kTurning, inside = a * a * time * time - 4 * a * whole;
-    const double speed = inside > 0 ? (a * time - std::sqrt(inside)) / 2 : a * time / 2;
-    part.acceleration = a;
+  if (time > 0) {
+    const double speed = speed_for(time, whole, kTurning);
+    part.acceleration = kTurning;
     std::fill(part.limit.begin(), part.limit.end(), std::max(speed, 1e-3));
     return;
   }

@@ -25,7 +25,9 @@ struct PlayedMove {
   double share = 0;               ///< above 0, of a joint move: of the joints' speeds, instead of `speed`
   double acceleration = 0;        ///< rad/s² of the joint that turns most, or m/s²; a share with `share`
   double speed = 0;               ///< rad/s of that joint, or m/s
-  double time = 0;                ///< s; above 0 it replaces speed and acceleration
+  double time = 0;                ///< s; above 0 it replaces speed and acceleration of a line or an arc
+  double joint_time =
+      0;  ///< s, of a joint move; above 0 it replaces the speed, and `acceleration` is a share
   double turn = 0;                ///< rad/s; above 0 it is the speed of a line on which the TCP only turns
   double blend = 0;               ///< m before the end
   double blend_share = 0;         ///< above 0: of half of the way, instead of `blend`
@@ -81,6 +83,7 @@ class PathPlayer {
   bool shape_path(const PlayedMove& move, const Six& from, std::vector<Six>& out) const;
   void set_speeds(const PlayedMove& move, Part& out) const;
   void set_joint_speeds(const PlayedMove& move, Part& out) const;
+  static double speed_for(double time, double way, double acceleration);
   double way_of_tcp(const Part& part) const;
   void cut_end(double blend, Part& part) const;
   bool round_corner(const Part& before, double blend, Part& next) const;

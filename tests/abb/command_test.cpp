@@ -19,7 +19,7 @@ TEST(AbbExample, AFaultOfTheControllerEndsTheRunWithItsCause) {
 }
 
 TEST(AbbSetup, FindsTheControllerAndInstallsTheModule) {
-  Command far({"far-side", "abb", "--port", "0", "--order", "no_module"});
+  Command far({"far-side", "abb", "--port", "0", "--moves-port", "0", "--order", "no_module"});
   const std::string port = number_behind(far.line_with("Robot Web Services "), "at port");
   ASSERT_FALSE(port.empty());
   const std::vector<std::string> line{"setup", "abb", "--host",     "127.0.0.1",
@@ -34,6 +34,76 @@ TEST(AbbSetup, FindsTheControllerAndInstallsTheModule) {
   const Finished done = run_command(install);
   EXPECT_EQ(done.exit_code, 0) << done.output;
   EXPECT_NE(done.output.find("loaded"), std::string::npos) << done.output;
+  EXPECT_EQ(run_command(line).exit_code, 0);
+  far.signal(SIGTERM);
+  EXPECT_EQ(far.wait().exit_code, 0);
+}
+
+// --- forward mode ---
+
+TEST(AbbForwardExample, PlacesByTheControllersOwnMotionAndRepeatsItself) {
+  const ExampleCopy copy("abb_forward");
+  expect_same_run_twice(copy, "its own motion by the RAPID program PolyarmMoves");
+}
+
+TEST(AbbForwardExample, APersonHoldsAndResumesIt) {
+  const ExampleCopy copy("abb_forward");
+  const Finished ran = run_command({"test", copy.path()});
+  EXPECT_EQ(ran.exit_code, 0) << ran.output;
+}
+
+TEST(AbbForwardExample, UntilEndsALineInItsMiddleAndTheNextMoveBeginsThere) {
+  expect_until_ends_a_line("abb_forward");
+}
+
+TEST(AbbForwardExample, TheSameProgramStreamsWithoutTheKey) {
+  expect_same_program_streams("abb_forward");
+}
+
+TEST(AbbForwardExample, AFaultOfTheControllerEndsTheRunWithItsCause) {
+  expect_fault_ends_the_run(
+      "abb_forward", {"wires: doVacuum=diHolds", "faults: guard_open@2\n      wires: doVacuum=diHolds"},
+      {"a guard of the controller", "close it"});
+}
+
+/// Two programs of the thesis, on a robot whose controller interpolates, with their parts in a simulated
+/// world.
+class AbbForwardThesis : public testing::TestWithParam<ThesisCell> {};
+INSTANTIATE_TEST_SUITE_P(Programs, AbbForwardThesis,
+                         testing::Values(ThesisCell{"pick_and_place", 3}, ThesisCell{"sorting", 4}),
+                         thesis_name);
+
+TEST_P(AbbForwardThesis, RunsUnchangedWithEveryPartInItsPlace) {
+  const ExampleCopy copy(GetParam().example);
+  edit(copy, "cell.yaml",
+       {{"polyarm: cell/1\n", "polyarm: cell/1\nrate: 250\n"},
+        {"hardware: mujoco", "hardware: abb_fake, parameters: {motion: forward, world: mock}"}});
+  expect_all_placed(run_fast(copy), GetParam().parts);
+}
+
+TEST(AbbForwardCheck, NamesTheMovesThatTheControllerCannotMake) {
+  expect_check_names_moves("abb_forward");
+}
+
+TEST(AbbSetup, InstallsTheModuleOfForwardMode) {
+  Command far(
+      {"far-side", "abb", "--port", "0", "--moves-port", "0", "--motion", "forward", "--order", "no_module"});
+  const std::string port = number_behind(far.line_with("Robot Web Services "), "at port");
+  ASSERT_FALSE(port.empty());
+  const ExampleCopy copy("abb_forward");
+  const std::string folder = copy.file("files").string();
+  const std::vector<std::string> line{"setup",      "abb", "--host",   "127.0.0.1", "--rws",   "2",
+                                      "--rws-port", port,  "--motion", "forward",   "--write", folder};
+  const Finished missing = run_command(line);
+  EXPECT_EQ(missing.exit_code, 1) << missing.output;
+  EXPECT_NE(missing.output.find("does not have the module PolyarmMoves"), std::string::npos)
+      << missing.output;
+  EXPECT_NE(read_file(folder + "/PolyarmMoves.mod").find("SocketBind server, address, port"),
+            std::string::npos);
+  std::vector<std::string> install = line;
+  install.insert(install.end(), {"--install", "--yes"});
+  const Finished done = run_command(install);
+  EXPECT_EQ(done.exit_code, 0) << done.output;
   EXPECT_EQ(run_command(line).exit_code, 0);
   far.signal(SIGTERM);
   EXPECT_EQ(far.wait().exit_code, 0);

@@ -25,7 +25,7 @@ inline FarSideOptions far_options(int version = 2) {
   options.machine.signals = {{"doA", false}, {"diA", false}};
   if (version == 1) options.machine.software = "6.16.02.00";
   options.rws_version = version;
-  options.rws = options.egm = 0;
+  options.rws = options.egm = options.moves = 0;
   return options;
 }
 

@@ -396,7 +396,7 @@ TEST(AbbRws, AnswersAreReadAndDamagedOnesPassedOver) {
 TEST(AbbWords, EveryCauseHasItsOwnSentenceThatNamesTheController) {
   std::map<std::string, int> seen;
   int causes = 0;
-  for (int i = 1; i <= static_cast<int>(Cause::port_taken); ++i, ++causes) {
+  for (int i = 1; i <= static_cast<int>(Cause::halt_unconfirmed); ++i, ++causes) {
     const std::string said = sentence(static_cast<Cause>(i), 1, "the controller at 1.2.3.4", "what it said");
     EXPECT_NE(said.find("1.2.3.4"), std::string::npos) << i << said;
     EXPECT_GT(said.size(), 20u) << i;

@@ -1,0 +1,162 @@
+/// What the link in forward mode does while it is open: the thread that asks the program, judges and sends.
+#include "drivers/abb/forward_link.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "drivers/wire/six_axes.hpp"
+#include "polyarm/realtime/periodic.hpp"
+
+namespace polyarm::abb {
+
+using forward::MoveOrder;
+
+namespace {
+
+constexpr int kAsksOfRound = 8;                   // requests of one round
+constexpr Nanoseconds kSuspicious = 100'000'000;  // without an answer, until the controller is asked why
+
+}  // namespace
+
+/// At least one answer: each of them has the whole state.
+void ForwardLink::round() {
+  const Phase phase = phase_;
+  if (phase == Phase::idle) return;
+  if (phase == Phase::ending || fault_) return end_round();
+  for (int i = 0; i < kAsksOfRound && !fault_ && ask_next(i > 0); ++i) {
+  }
+  if (fault_) end_round();
+}
+
+/// False: nothing more is to be asked.
+bool ForwardLink::ask_next(bool asked) {
+  if (cycles_seen_ > 0) {
+    if (!ordered_) order_ = moves_.next();
+    ordered_ = order_.kind != MoveOrder::Kind::nothing;
+    // The pace goes out before the order: a move begins at its pace.
+    if (ask_pace() || ask_order()) return !fault_;
+  }
+  return !asked && ask({});
+}
+
+bool ForwardLink::ask(const MoveRequest& request) {
+  const auto reply = port_.send(request) ? await_reply() : std::nullopt;
+  if (!reply) {
+    lose(port_.failure().cause == Cause::none ? Cause::moves_silent : port_.failure().cause);
+    return false;
+  }
+  take(*reply);
+  const bool refused = reply->result != MoveResult::done;
+  if (refused && phase_ == Phase::active) note(Cause::moves_refused, static_cast<int>(reply->result));
+  return !fault_;
+}
+
+/// A program that was stopped does not answer: the controller says so sooner than the time is over.
+std::optional<MoveReply> ForwardLink::await_reply() {
+  const Nanoseconds deadline = realtime::monotonic_now() + settings_.answer;
+  for (Nanoseconds left = settings_.answer; left > 0; left = deadline - realtime::monotonic_now()) {
+    if (auto reply = port_.await_reply(std::min(left, kSuspicious))) return reply;
+    if (port_.failure().cause != Cause::none) return std::nullopt;
+    const std::lock_guard lock(rws_mutex_);
+    if (find_why(Sign::silence).cause != Cause::none) return std::nullopt;
+  }
+  return std::nullopt;
+}
+
+/// The controller itself is asked first: what it says is more than that the program is gone.
+void ForwardLink::lose(Cause otherwise) {
+  Rws::Failure why;
+  if (!fault_) {
+    const std::lock_guard lock(rws_mutex_);
+    why = find_why(Sign::silence);
+  }
+  const bool silent = why.cause == Cause::rws_silent || why.cause == Cause::unreachable;
+  if (why.cause == Cause::none || (silent && otherwise == Cause::moves_bad_data)) why = {otherwise, 0, ""};
+  note(why.cause, why.detail, why.text);
+  port_.close();
+}
+
+bool ForwardLink::ask_pace() {
+  const auto share = moves_.slider();
+  if (!share) return false;
+  const int wanted = *share > 0 ? std::clamp(static_cast<int>(std::lround(100 * *share)), 1, 100) : 0;
+  if (wanted == percent_) return false;
+  percent_ = wanted;
+  ask({0, MoveDo::pace, wanted, session_, {}, {}});
+  return true;
+}
+
+bool ForwardLink::ask_order() {
+  if (!ordered_) return false;
+  ordered_ = false;
+  MoveRequest request;
+  request.value = session_;
+  request.number = order_.number;
+  switch (order_.kind) {
+    case MoveOrder::Kind::move:
+      request.what = MoveDo::move;
+      request.move = rapid_move(order_, moves_.frame());
+      break;
+    case MoveOrder::Kind::halt:
+      request.what = MoveDo::halt;
+      break;
+    case MoveOrder::Kind::tool:
+      request.what = MoveDo::tool;
+      request.move.end = frame_of(order_.tool);
+      request.load = settings_.load;
+      break;
+    case MoveOrder::Kind::nothing:
+      return false;
+  }
+  ask(request);
+  return true;
+}
+
+/// Whatever ended the link, nothing goes on by itself at the controller.
+void ForwardLink::end_round() {
+  if (over_) return;
+  if (port_.is_open()) {
+    MoveRequest request;
+    request.what = end_asked_ ? MoveDo::state : MoveDo::end;
+    end_asked_ = true;
+    const auto reply = port_.send(request) ? port_.await_reply(settings_.answer) : std::nullopt;
+    if (reply) take(*reply);
+    const bool heard = reply && reply->result == MoveResult::done;
+    if (heard && reply->session == session_) return;  // the robot stops
+    if (!heard) port_.close();
+  }
+  over_ = true;
+}
+
+void ForwardLink::take(const MoveReply& reply) {
+  const int step = (reply.time_ms - newest_.time_ms + kMovesClock) % kMovesClock;
+  const bool later = current_.count > 0 && step > 0 && step < kMovesClock / 2;
+  Six q;
+  for (std::size_t i = 0; i < 6; ++i) q[i] = reply.joints[i] * wire::kRadians;
+  if (later) {
+    time_ms_ += step;
+    for (std::size_t i = 0; i < 6; ++i) current_.dq[i] = (q[i] - current_.q[i]) * 1000 / step;
+  }
+  if (current_.count == 0 || step != 0) current_.q = q;
+  newest_ = reply;
+  ++current_.count;
+  if (phase_ == Phase::active && !fault_) {
+    judge(reply);
+    moves_.take(report());
+    if (const auto joint = moves_.off_target()) note(Cause::off_target, *joint);
+    if (moves_.awaits_halt_too_long()) note(Cause::halt_unconfirmed);
+  }
+  samples_.write(current_);
+}
+
+forward::MoveReport ForwardLink::report() const {
+  return {static_cast<double>(time_ms_) / 1000, current_.q, newest_.ended, newest_.halted};
+}
+
+void ForwardLink::judge(const MoveReply& reply) {
+  if (reply.version != kMovesVersion) return note(Cause::moves_version, reply.version);
+  if (reply.error != 0) return note(Cause::move_failed, reply.error);
+  if (reply.session != session_) note(Cause::moves_ended);
+}
+
+}  // namespace polyarm::abb
