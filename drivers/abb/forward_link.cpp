@@ -57,21 +57,31 @@ std::optional<MoveReply> ForwardLink::await_reply() {
   for (Nanoseconds left = settings_.answer; left > 0; left = deadline - realtime::monotonic_now()) {
     if (auto reply = port_.await_reply(std::min(left, kSuspicious))) return reply;
     if (port_.failure().cause != Cause::none) return std::nullopt;
-    const std::lock_guard lock(rws_mutex_);
-    if (find_why(Sign::silence).cause != Cause::none) return std::nullopt;
+    if (is_stopped()) return std::nullopt;
   }
   return std::nullopt;
 }
 
-/// The controller itself is asked first: what it says is more than that the program is gone.
+/// False also if Robot Web Services do not answer. A program that runs may be slow; warnings in the event log
+/// do not stop it.
+bool ForwardLink::is_stopped() {
+  const std::lock_guard lock(rws_mutex_);
+  RwsState state;
+  if (!rws_.read_state(state)) return false;
+  return state.program != "running" || cause_of_state(state.control, state.mode) != Cause::none;
+}
+
+/// What the controller itself says of a program that stopped is more than that the program is gone.
 void ForwardLink::lose(Cause otherwise) {
   Rws::Failure why;
-  if (!fault_) {
+  {
     const std::lock_guard lock(rws_mutex_);
-    why = find_why(Sign::silence);
+    RwsState state;
+    const bool reached = rws_.read_state(state);
+    if (!reached && otherwise != Cause::moves_bad_data) why = rws_.failure();
+    if (reached && is_stopped()) why = find_why(Sign::silence);
   }
-  const bool silent = why.cause == Cause::rws_silent || why.cause == Cause::unreachable;
-  if (why.cause == Cause::none || (silent && otherwise == Cause::moves_bad_data)) why = {otherwise, 0, ""};
+  if (why.cause == Cause::none) why = {otherwise, 0, ""};
   note(why.cause, why.detail, why.text);
   port_.close();
 }

@@ -79,6 +79,7 @@ class ForwardLink : public forward::AskingLink<RwsLink, Cause, ForwardSample, No
   bool ask_pace();
   bool ask_order();
   void end_round();
+  bool is_stopped();
   void lose(Cause otherwise);
   void take(const MoveReply& reply);
   void judge(const MoveReply& reply);

@@ -119,8 +119,8 @@ bool ForwardLink::start() {
   refused_.clear();
   halt_threads();
   const std::lock_guard lock(rws_mutex_);
-  const bool fine =
-      begin_services() && check_panel() && begin_program() && connect_program() && begin_moves();
+  const bool ready = begin_services() && check_panel();
+  const bool fine = ready && begin_program() && connect_program() && begin_moves();
   if (fine) {
     ordered_ = end_asked_ = false;
     percent_ = -1;
@@ -130,7 +130,7 @@ bool ForwardLink::start() {
   } else {
     const auto why = refused_.value();
     const std::string said = text();
-    end_program();
+    if (ready) end_program();
     refuse(why.cause, why.detail, said);
   }
   run_threads();

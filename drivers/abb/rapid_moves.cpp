@@ -112,6 +112,9 @@ constexpr const char* kProgram = R"(MODULE PolyarmMoves
     ClkReset heard;
     ClkStart heard;
     ClkStart running;
+  ERROR
+    ErrWrite "Polyarm", "No server at " + address + ", port " + NumToStr(port, 0);
+    EXIT;
   ENDPROC
 
   LOCAL PROC Forget()

@@ -1,5 +1,5 @@
 /// Faults of forward mode: each is named, the robot stands, its moves are forgotten, and nothing goes on.
-#include <thread>
+#include <algorithm>
 
 #include "tests/abb/forward_rig.hpp"
 #include "tests/support/forward_laws.hpp"
@@ -73,6 +73,17 @@ TEST_P(AbbForwardBefore, StartingIsRefusedInWordsAndWorksOnceItIsMended) {
   EXPECT_LE(rig.largest_jump(), 1e-6);
 }
 
+/// In manual mode a person may be in the middle of a program of their own.
+TEST(AbbForwardFaults, ARefusedStartInManualModeLeavesTheProgramPointer) {
+  ForwardRig rig;
+  rig.far().order("manual");
+  EXPECT_FALSE(rig.start());
+  EXPECT_TRUE(rig.far().with([](abb::Machine& m) {
+    return std::none_of(m.events().begin(), m.events().end(),
+                        [](const abb::RwsEvent& one) { return one.code == 10002; });
+  })) << "it was reset";
+}
+
 TEST(AbbForwardFaults, SilenceOfTheProgramIsNamed) {
   ForwardRig rig(Parameters{{"answer_ms", "1000"}});
   ASSERT_TRUE(begins(rig));
@@ -82,6 +93,16 @@ TEST(AbbForwardFaults, SilenceOfTheProgramIsNamed) {
   for (int i = 0; i < 50 && rig.component.cause() == Cause::none; ++i) rig.pass();
   EXPECT_EQ(rig.component.cause(), Cause::moves_silent) << rig.component.reason();
   expect_standing(rig, 1600);  // beyond the program's watchdog
+}
+
+/// The program runs: what is in the event log did not stop it.
+TEST(AbbForwardFaults, AWarningInTheEventLogIsNoReasonForASilence) {
+  ForwardRig rig(Parameters{{"answer_ms", "1000"}});
+  ASSERT_TRUE(begins(rig));
+  rig.far().with([](abb::Machine& m) { return m.event(50052, 2, "a warning"), 0; });
+  rig.far().order("mute_moves");
+  for (int i = 0; i < 50 && rig.component.cause() == Cause::none; ++i) rig.pass();
+  EXPECT_EQ(rig.component.cause(), Cause::moves_silent) << rig.component.reason();
 }
 
 TEST(AbbForwardFaults, AHaltThatTheProgramDoesNotConfirmIsNamed) {
