@@ -35,8 +35,9 @@ abb::FarSideOptions abb_options(const AbbArguments& a) {
   out.rws_version = a.rws;
   out.rws = a.port >= 0 ? a.port : a.rws == 1 ? 8080 : 8443;
   out.user = a.user, out.password = a.password;
-  out.moves = a.moves_port;
-  if (a.motion == "forward") out.machine.modules = {abb::kMovesModule};
+  const bool forward = a.motion == "forward";
+  out.moves = forward ? a.moves_port : 0;
+  if (forward) out.machine.modules = {abb::kMovesModule};
   const std::size_t colon = a.egm.rfind(':');
   const auto port = colon == std::string::npos ? std::nullopt : parse_number(a.egm.substr(colon + 1));
   if (!port || *port < 1 || *port > 65535)

@@ -46,5 +46,25 @@ TEST(PathPlayer, AMoveThatIsSlowerThanOneStepOfAccelerationKeepsItsSpeedAndArriv
   EXPECT_EQ(arm.ended, std::vector{7});
 }
 
+/// As far as the arm can: its speed and its acceleration are limits beside the time.
+TEST(PathPlayer, AJointMoveThatStatesItsTimeTakesIt) {
+  const auto steps = [](double way, double time) {
+    Played arm;
+    PlayedMove move;
+    move.number = 7;
+    move.goal[0] = way;
+    move.joint_time = time;
+    move.acceleration = 0.5;
+    EXPECT_TRUE(arm.player.take(move));
+    int out = 0;
+    for (; arm.ended.empty() && out < 10'000; ++out) arm.player.step(kStep);
+    EXPECT_EQ(arm.q[0], way);
+    return out;
+  };
+  EXPECT_NEAR(steps(1, 2) * kStep, 2, 0.1);
+  EXPECT_NEAR(steps(0.1, 3) * kStep, 3, 0.15);
+  EXPECT_GT(steps(10, 0.5) * kStep, 2) << "no faster than 5 rad/s";
+}
+
 }  // namespace
 }  // namespace polyarm::forward
