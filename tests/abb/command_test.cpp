@@ -66,6 +66,25 @@ TEST(AbbForwardExample, AFaultOfTheControllerEndsTheRunWithItsCause) {
       {"a guard of the controller", "close it"});
 }
 
+TEST(AbbForwardExample, ACellInAnotherProcessIsArmedAndPlaces) {
+  Command far({"far-side", "abb", "--motion", "forward", "--port", "0", "--moves-port", "0", "--wire",
+               "doVacuum=diHolds"});
+  const std::string rws = number_behind(far.line_with("Robot Web Services "), "at port");
+  const std::string moves = number_behind(far.line_with("PolyarmMoves"), "at port");
+  ASSERT_FALSE(rws.empty() || moves.empty());
+  const ExampleCopy copy("abb_forward");
+  edit(copy, "cell.yaml",
+       {{"hardware: abb_fake", "hardware: abb\n    accept_unverified: true"},
+        {"      wires: doVacuum=diHolds", "      rws_port: " + rws + "\n      moves_port: " + moves +
+                                              "\n      answer_ms: 10000\n      watchdog_ms: 5000\n      "
+                                              "loop_silence_ms: 10000\n      # "}});
+  expect_armed_run_completes(copy);
+  far.signal(SIGTERM);
+  const Finished ended = far.wait();
+  EXPECT_EQ(ended.exit_code, 0) << ended.output;
+  EXPECT_NE(ended.output.find("the program ended"), std::string::npos) << ended.output;
+}
+
 /// Two programs of the thesis, on a robot whose controller interpolates, with their parts in a simulated
 /// world.
 class AbbForwardThesis : public testing::TestWithParam<ThesisCell> {};
