@@ -31,8 +31,7 @@ void ForwardLink::round() {
 /// False: nothing more is to be asked.
 bool ForwardLink::ask_next(bool asked) {
   if (cycles_seen_ > 0) {
-    if (!ordered_) order_ = moves_.next();
-    ordered_ = order_.kind != MoveOrder::Kind::nothing;
+    find_order();
     // The pace goes out before the order: a move begins at its pace.
     if (ask_pace() || ask_order()) return !fault_;
   }
@@ -87,12 +86,10 @@ void ForwardLink::lose(Cause otherwise) {
 }
 
 bool ForwardLink::ask_pace() {
-  const auto share = moves_.slider();
-  if (!share) return false;
-  const int wanted = *share > 0 ? std::clamp(static_cast<int>(std::lround(100 * *share)), 1, 100) : 0;
-  if (wanted == percent_) return false;
-  percent_ = wanted;
-  ask({0, MoveDo::pace, wanted, session_, {}, {}});
+  const auto wanted = wanted_percent();
+  if (!wanted || *wanted == percent_) return false;
+  percent_ = *wanted;
+  ask({0, MoveDo::pace, percent_, session_, {}, {}});
   return true;
 }
 
@@ -152,9 +149,7 @@ void ForwardLink::take(const MoveReply& reply) {
   ++current_.count;
   if (phase_ == Phase::active && !fault_) {
     judge(reply);
-    moves_.take(report());
-    if (const auto joint = moves_.off_target()) note(Cause::off_target, *joint);
-    if (moves_.awaits_halt_too_long()) note(Cause::halt_unconfirmed);
+    follow_moves(report());
   }
   samples_.write(current_);
 }

@@ -7,8 +7,7 @@
 
 #include "drivers/abb/move_wire.hpp"
 #include "drivers/abb/rws_link.hpp"
-#include "drivers/forward/asking_link.hpp"
-#include "drivers/forward/move_queue.hpp"
+#include "drivers/forward/move_link.hpp"
 
 namespace polyarm::abb {
 
@@ -34,7 +33,7 @@ struct NoOutputs {};
 /// open(), close(), start() and stop() come from one thread at a time and may wait. moves(), cycle() and what
 /// reads the sample belong to the control thread. Until a session begins, the joints come over Robot Web
 /// Services.
-class ForwardLink : public forward::AskingLink<RwsLink, Cause, ForwardSample, NoOutputs> {
+class ForwardLink : public forward::MoveLink<RwsLink, Cause, ForwardSample, NoOutputs> {
  public:
   explicit ForwardLink(ForwardSettings settings);
   ~ForwardLink() { close(); }
@@ -58,7 +57,6 @@ class ForwardLink : public forward::AskingLink<RwsLink, Cause, ForwardSample, No
     RwsLink::outputs(outputs);
     AskingLink::cycle({});
   }
-  forward::MoveQueue& moves() noexcept { return moves_; }
 
  private:
   // how it begins and ends; forward_link_setup.cpp
@@ -91,15 +89,12 @@ class ForwardLink : public forward::AskingLink<RwsLink, Cause, ForwardSample, No
   Cause vague_cause() const override { return Cause::moves_silent; }
 
   ForwardSettings settings_;
-  forward::MoveQueue moves_;
   realtime::Latest<Panel> panels_;
 
   // the thread's; start() and stop() use them while it is halted
   MovePort port_;
   ForwardSample current_;
   MoveReply newest_;
-  forward::MoveOrder order_;
-  bool ordered_ = false;    ///< order_ is to be sent
   bool end_asked_ = false;  ///< the session was asked to end
   int session_ = 0, percent_ = -1;
   std::int64_t time_ms_ = 0;  ///< of the program, without the end of its range

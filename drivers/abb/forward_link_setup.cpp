@@ -19,9 +19,9 @@ constexpr double kSamePlace = 0.005, kSameTurn = 0.02;  // m, rad between the fl
 }  // namespace
 
 ForwardLink::ForwardLink(ForwardSettings settings)
-    : AskingLink(settings.times, settings, settings.times.stepped, settings.start_timeout),
+    : MoveLink({settings.frame, kMoveSlots}, settings.times, settings, settings.times.stepped,
+               settings.start_timeout),
       settings_(std::move(settings)),
-      moves_(settings_.frame, kMoveSlots),
       port_(settings_.rws.http.host, settings_.moves_port) {}
 
 bool ForwardLink::check_controller() {
@@ -122,10 +122,9 @@ bool ForwardLink::start() {
   const bool ready = begin_services() && check_panel();
   const bool fine = ready && begin_program() && connect_program() && begin_moves();
   if (fine) {
-    ordered_ = end_asked_ = false;
+    end_asked_ = false;
     percent_ = -1;
-    moves_.set_pace(0);
-    moves_.begin(report());
+    begin_queue(report());
     begin_session();
   } else {
     const auto why = refused_.value();

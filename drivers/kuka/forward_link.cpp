@@ -30,8 +30,7 @@ bool ForwardLink::ask_next(bool asked) {
   if (phase == Phase::ending || (phase == Phase::active && fault_)) {
     if (!end_heard_ && ask_end()) return true;
   } else if (phase == Phase::active && cycles_seen_ > 0) {
-    if (!ordered_) order_ = moves_.next();
-    ordered_ = order_.kind != MoveOrder::Kind::nothing;
+    find_order();
     // The override goes out before the order: a move begins at its pace.
     if (ask_override() || ask_order() || ask_output()) return !fault_;
   }
@@ -56,13 +55,12 @@ bool ForwardLink::ask(EkiDo what, int number, int value, const std::optional<Eki
 /// A person at the smartPAD may lower the override until the pace changes. While the robot slows down to
 /// rest, one that is raised is set to 0 again.
 bool ForwardLink::ask_override() {
-  const auto share = moves_.slider();
-  if (!share) return false;
-  const int wanted = *share > 0 ? std::clamp(static_cast<int>(std::lround(100 * *share)), 1, 100) : 0;
-  const bool raised = wanted == 0 && percent_ == 0 && current_.state.speed_override > 0;
-  if (wanted == percent_ && !raised) return false;
-  percent_ = wanted;
-  ask(EkiDo::speed_override, 0, wanted);
+  const auto wanted = wanted_percent();
+  if (!wanted) return false;
+  const bool raised = *wanted == 0 && percent_ == 0 && current_.state.speed_override > 0;
+  if (*wanted == percent_ && !raised) return false;
+  percent_ = *wanted;
+  ask(EkiDo::speed_override, 0, percent_);
   return true;
 }
 
@@ -132,9 +130,7 @@ void ForwardLink::take(const EkiReply& reply) {
   ++current_.count;
   if (phase_ == Phase::active && !fault_) {
     judge(s);
-    moves_.take(report());
-    if (const auto joint = moves_.off_target()) note(Cause::off_target, *joint);
-    if (moves_.awaits_halt_too_long()) note(Cause::halt_unconfirmed);
+    follow_moves(report());
   }
   samples_.write(current_);
 }

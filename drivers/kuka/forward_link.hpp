@@ -5,8 +5,7 @@
 #include <optional>
 #include <string>
 
-#include "drivers/forward/asking_link.hpp"
-#include "drivers/forward/move_queue.hpp"
+#include "drivers/forward/move_link.hpp"
 #include "drivers/kuka/eki_link.hpp"
 #include "drivers/kuka/link.hpp"
 
@@ -38,7 +37,7 @@ struct ForwardSettings {
 
 /// open(), close(), start() and stop() come from one thread at a time and may wait. moves(), cycle() and what
 /// reads the sample belong to the control thread. The override of cycle() counts nothing.
-class ForwardLink : public forward::AskingLink<EkiLink, Cause, ForwardSample, Outputs> {
+class ForwardLink : public forward::MoveLink<EkiLink, Cause, ForwardSample, Outputs> {
  public:
   explicit ForwardLink(ForwardSettings settings);
   ~ForwardLink() { close(); }
@@ -53,7 +52,6 @@ class ForwardLink : public forward::AskingLink<EkiLink, Cause, ForwardSample, Ou
   /// Stops the robot and ends the session.
   void stop();
 
-  forward::MoveQueue& moves() noexcept { return moves_; }
   /// Valid after open().
   const EkiIdentity& identity() const { return identity_; }
 
@@ -76,13 +74,10 @@ class ForwardLink : public forward::AskingLink<EkiLink, Cause, ForwardSample, Ou
 
   ForwardSettings settings_;
   EkiIdentity identity_;
-  forward::MoveQueue moves_;
 
   // the thread's; start() and stop() use them while it is halted
   ForwardSample current_;
   Outputs written_;
-  forward::MoveOrder order_;
-  bool ordered_ = false;    ///< order_ is to be sent
   bool end_asked_ = false;  ///< the session was asked to end
   bool end_heard_ = false;  ///< and the program has answered
   int session_ = 0, percent_ = -1;

@@ -14,10 +14,9 @@ constexpr Nanoseconds kEnd = 2'000'000'000;  // for a session to end
 }  // namespace
 
 ForwardLink::ForwardLink(ForwardSettings settings)
-    : AskingLink({settings.stepped, settings.poll, settings.loop_silence}, settings.host, settings.eki_port,
-                 settings.answer),
-      settings_(std::move(settings)),
-      moves_(settings_.frame, kMoveSlots) {}
+    : MoveLink({settings.frame, kMoveSlots}, {settings.stepped, settings.poll, settings.loop_silence},
+               settings.host, settings.eki_port, settings.answer),
+      settings_(std::move(settings)) {}
 
 bool ForwardLink::open() {
   close();
@@ -107,10 +106,9 @@ bool ForwardLink::start() {
   const bool fine = begin();
   if (fine) {
     written_ = Outputs();
-    ordered_ = end_asked_ = end_heard_ = false;
+    end_asked_ = end_heard_ = false;
     percent_ = -1;
-    moves_.set_pace(0);
-    moves_.begin(report());
+    begin_queue(report());
     begin_session();
   } else if (eki_.failure().cause == Cause::none) {
     eki_.ask(EkiDo::end);

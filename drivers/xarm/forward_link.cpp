@@ -46,9 +46,7 @@ void ForwardLink::round() {
   if (!read_panel()) return;
   count_moves();
   judge();
-  if (!fault_) moves_.take(report());
-  if (const auto joint = moves_.off_target()) note(Cause::off_target, *joint);
-  if (moves_.awaits_halt_too_long()) note(Cause::halt_unconfirmed);
+  if (!fault_) follow_moves(report());
   samples_.write(current_);
   if (!fault_) act();
   if (fault_) end();
@@ -171,8 +169,7 @@ void ForwardLink::judge_stop() {
 
 void ForwardLink::act() {
   if (cycles_seen_ == 0) return;
-  if (!ordered_ && halt_ == Halt::none) order_ = moves_.next();
-  ordered_ = ordered_ || (halt_ == Halt::none && order_.kind != MoveOrder::Kind::nothing);
+  if (halt_ == Halt::none) find_order();
   steer_pause();
   if (!fault_ && !panel_.write(wanted_)) note_panel();
   if (ordered_ && !fault_) send_order();

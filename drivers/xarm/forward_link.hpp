@@ -6,8 +6,7 @@
 #include <optional>
 #include <string>
 
-#include "drivers/forward/asking_link.hpp"
-#include "drivers/forward/move_queue.hpp"
+#include "drivers/forward/move_link.hpp"
 #include "drivers/watchdog/link.hpp"
 #include "drivers/wire/link_base.hpp"
 #include "drivers/xarm/moves.hpp"
@@ -48,7 +47,7 @@ struct ForwardSettings {
 /// Nothing at the controller ends its moves unless a client does: it makes those that it holds, kMoveSlots at
 /// most, and stands. Every end that this link notices stops the robot at once; if its connection is lost, it
 /// makes another one for that. If this process dies or hangs, a watchdog process stops it.
-class ForwardLink : public forward::AskingLink<wire::LinkBase<Cause>, Cause, ForwardSample, Outputs> {
+class ForwardLink : public forward::MoveLink<wire::LinkBase<Cause>, Cause, ForwardSample, Outputs> {
  public:
   explicit ForwardLink(ForwardSettings settings);
   ~ForwardLink() { close(); }
@@ -64,7 +63,6 @@ class ForwardLink : public forward::AskingLink<wire::LinkBase<Cause>, Cause, For
   /// Stops the robot and ends the session.
   void stop();
 
-  forward::MoveQueue& moves() noexcept { return moves_; }
   /// Valid after open().
   const Version& version() const { return version_; }
 
@@ -110,7 +108,6 @@ class ForwardLink : public forward::AskingLink<wire::LinkBase<Cause>, Cause, For
   ForwardSettings settings_;
   Version version_;
   UxMoveForms forms_;
-  forward::MoveQueue moves_;
 
   // the thread's; start() and stop() use them while it is halted
   UxPort port_;
@@ -123,8 +120,6 @@ class ForwardLink : public forward::AskingLink<wire::LinkBase<Cause>, Cause, For
   int still_reports_ = 0, foreign_reports_ = 0;
   std::uint8_t bits_ = 0;  ///< of the newest reply
   int queued_ = 0;         ///< moves at the controller
-  forward::MoveOrder order_;
-  bool ordered_ = false;  ///< order_ is to be sent
   bool paused_ = false;   ///< by this driver
   Halt halt_ = Halt::none;
   int put_ = 0, ended_ = 0, halting_ = 0, halted_ = 0;

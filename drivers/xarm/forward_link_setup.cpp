@@ -16,9 +16,9 @@ constexpr int kForwardAxes = 6;
 }  // namespace
 
 ForwardLink::ForwardLink(ForwardSettings settings)
-    : AskingLink(settings.times, "the controller at " + settings.host),
+    : MoveLink({settings.frame, kMoveSlots, forward::MoveQueue::Paces::in_moves}, settings.times,
+               "the controller at " + settings.host),
       settings_(std::move(settings)),
-      moves_(settings_.frame, kMoveSlots, forward::MoveQueue::Paces::in_moves),
       port_(settings_.host, settings_.command_port),
       panel_(port_, settings_.signals, settings_.answer) {
   gone_ = true;
@@ -145,14 +145,13 @@ bool ForwardLink::start() {
   const bool fine = begin() && (read_panel() || refuse_panel()) && start_watchdog();
   if (fine) {
     panel_.forget();
-    ordered_ = paused_ = forgotten_ = stop_sent_ = false;
+    paused_ = forgotten_ = stop_sent_ = false;
     halt_ = Halt::none;
     put_ = ended_ = halting_ = halted_ = end_attempts_ = foreign_reports_ = 0;
     tool_set_.reset();
     changed_at_ = moved_at_ = time_;
-    moves_.set_pace(0);
     begin_session();
-    moves_.begin(report());
+    begin_queue(report());
   } else {
     lose();
   }

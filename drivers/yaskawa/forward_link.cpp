@@ -106,9 +106,7 @@ void ForwardLink::take(const HsesStatus& status, const HsesPosition& place,
   if (!forgotten_) ended_ = this->shared(SharedDoubles::ended);
   if (phase_ == Phase::active && !fault_) {
     judge();
-    moves_.take({time, q, ended_, halted_});
-    if (const auto joint = moves_.off_target()) note(Cause::off_target, *joint);
-    if (moves_.awaits_halt_too_long()) note(Cause::halt_unconfirmed);
+    follow_moves({time, q, ended_, halted_});
   }
   samples_.write(current_);
 }
@@ -140,8 +138,7 @@ void ForwardLink::judge() {
 
 void ForwardLink::act() {
   if (cycles_seen_ == 0) return;
-  if (!ordered_ && halting_ == 0) order_ = moves_.next();
-  ordered_ = ordered_ || (halting_ == 0 && order_.kind != MoveOrder::Kind::nothing);
+  if (halting_ == 0) find_order();
   steer_hold();
   if (!fault_) write_output();
   if (ordered_ && !fault_) send_order();

@@ -6,8 +6,7 @@
 #include <optional>
 #include <string>
 
-#include "drivers/forward/asking_link.hpp"
-#include "drivers/forward/move_queue.hpp"
+#include "drivers/forward/move_link.hpp"
 #include "drivers/wire/link_base.hpp"
 #include "drivers/wire/signals.hpp"
 #include "drivers/yaskawa/hses.hpp"
@@ -47,7 +46,7 @@ struct ForwardSettings {
 /// While a session is open, each round changes the heartbeat. When it stops for any reason, the ladder of the
 /// controller holds the robot, and a held job does not go on before a new session starts it from its first
 /// line.
-class ForwardLink : public forward::AskingLink<wire::LinkBase<Cause>, Cause, ForwardSample, Outputs> {
+class ForwardLink : public forward::MoveLink<wire::LinkBase<Cause>, Cause, ForwardSample, Outputs> {
  public:
   explicit ForwardLink(ForwardSettings settings);
   ~ForwardLink() { close(); }
@@ -63,7 +62,6 @@ class ForwardLink : public forward::AskingLink<wire::LinkBase<Cause>, Cause, For
   /// Stops the robot and ends the session.
   void stop();
 
-  forward::MoveQueue& moves() noexcept { return moves_; }
   /// Valid after open().
   const std::string& system() const { return system_; }
 
@@ -111,14 +109,11 @@ class ForwardLink : public forward::AskingLink<wire::LinkBase<Cause>, Cause, For
   ForwardSettings settings_;
   std::string system_;
   Hses hses_;
-  forward::MoveQueue moves_;
 
   // the thread's; start() and stop() use them while it is halted
   ForwardSample current_;
   double read_at_ = 0;  ///< s
   std::array<std::int32_t, SharedDoubles::count> shared_{};
-  forward::MoveOrder order_;
-  bool ordered_ = false;  ///< order_ is to be sent
   bool beat_ = false, session_open_ = false;
   bool holding_ = false;                 ///< by this driver
   double held_at_ = 0, started_at_ = 0;  ///< s

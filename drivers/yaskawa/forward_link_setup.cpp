@@ -16,10 +16,10 @@ constexpr std::int32_t kNumbersAnew = 1'000'000'000;
 }  // namespace
 
 ForwardLink::ForwardLink(ForwardSettings settings)
-    : AskingLink(settings.times, "the controller at " + settings.host),
+    : MoveLink({settings.frame, kMoveSlots, forward::MoveQueue::Paces::in_moves}, settings.times,
+               "the controller at " + settings.host),
       settings_(std::move(settings)),
-      hses_(settings_.host, settings_.hses_port, settings_.answer),
-      moves_(settings_.frame, kMoveSlots, forward::MoveQueue::Paces::in_moves) {}
+      hses_(settings_.host, settings_.hses_port, settings_.answer) {}
 
 bool ForwardLink::refuse_hses() {
   return refuse(hses_.failure().cause, hses_.failure().detail, hses_.failure().text);
@@ -175,14 +175,13 @@ bool ForwardLink::start() {
   const bool fine = begin() && read();
   if (fine) {
     written_ = Outputs();
-    ordered_ = holding_ = forgotten_ = false;
+    holding_ = forgotten_ = false;
     halting_ = halted_ = unread_ = 0;
     ended_ = put_;
     end_ = End::hold;
-    moves_.set_pace(0);
     begin_session();
     read_at_ = started_at_ = now();
-    moves_.begin({now(), current_.q, put_, halted_});
+    begin_queue({now(), current_.q, put_, halted_});
   } else if (const Cause why = refused_.cause(); why == Cause::hses_silent || why == Cause::hses_bad_data) {
     gone_ = true;
     note(why);
