@@ -6,6 +6,7 @@
 #include <cmath>
 #include <iterator>
 #include <set>
+#include <sstream>
 
 #include "polyarm/description/bodies.hpp"
 #include "polyarm/description/model_builder.hpp"
@@ -509,6 +510,17 @@ bool is_freestanding(const hardware::RobotInstance& robot) {
     const auto found = block.parameters.find("base");
     return found != block.parameters.end() && found->second == "free";
   });
+}
+
+std::vector<int> wheel_joints(const hardware::RobotInstance& robot) {
+  std::vector<int> out;
+  for (const description::HardwareInfo& block : robot.hardware)
+    if (const auto found = block.parameters.find("wheel_joints"); found != block.parameters.end()) {
+      std::istringstream in(found->second);
+      for (int joint = 0; in >> joint;)
+        if (joint >= 0 && joint < static_cast<int>(robot.model->joints.size())) out.push_back(joint);
+    }
+  return out;
 }
 
 Rigid rigid_links(const description::RobotModel& model) {

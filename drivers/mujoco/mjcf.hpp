@@ -62,6 +62,8 @@ Rigid rigid_links(const description::RobotModel& model);
 /// True if the robot stands on the floor instead of being bolted down. One of its <ros2_control> blocks then
 /// has `<param name="base">free</param>`, and its links may touch the floor.
 bool is_freestanding(const hardware::RobotInstance& robot);
+/// Joints of the model that the controller of its base names (`wheel_joints` of a block: their indices).
+std::vector<int> wheel_joints(const hardware::RobotInstance& robot);
 /// A force/torque sensor between a link and the one that carries it (hardware/force_sensor.hpp).
 struct ForceSensor {
   std::string name;  ///< as the description has it

@@ -255,7 +255,8 @@ void ModelSet::find_owners(const hardware::ComponentContext& context, ModelView&
   for (std::size_t r = 0; r < context.robots.size(); ++r) {
     const hardware::RobotInstance& robot = context.robots[r];
     const int index = static_cast<int>(r);
-    const std::vector<char> stands = description::links_on_the_floor(*robot.model, view.robots[r].base_dof >= 0);
+    const std::vector<char> stands =
+        description::links_on_the_floor(*robot.model, view.robots[r].base_dof >= 0, wheel_joints(robot));
     for (std::size_t l = 0; l < robot.model->links.size(); ++l)
       for (std::size_t s = 0; s < robot.model->links[l].collisions.size(); ++s)
         own_shape(link_name(r, static_cast<int>(l)) + "_" + std::to_string(s), robot.model->links[l].collisions[s],

@@ -56,7 +56,7 @@ class Checker {
         collect(problems_, [&] { polyarm::reach().check(file_.record->file, Reach::Use::write); });
       ros_files::ControllersFile controllers;
       collect(problems_, [&] { controllers = read_cell_controllers(file_, problems_); });
-      robots_ = resolve_robots(file_, controllers.joint_limits, catalogue_, false, problems_, notes);
+      robots_ = resolve_robots(file_, controllers, catalogue_, false, problems_, notes);
       add_hardware_faults(robots_, Severity::error, problems_);
       files();
       bodies();

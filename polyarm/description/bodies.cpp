@@ -13,6 +13,7 @@ namespace polyarm::description {
 namespace {
 
 constexpr double kLevel = 0.2;  // sine of the largest angle at which an axis counts as horizontal
+constexpr double kSteep = 0.98;  // and of the smallest one at which it counts as vertical
 constexpr std::size_t kFewest = 2;
 
 const Joint* joint_above(const RobotModel& model, std::size_t link) {
@@ -35,14 +36,64 @@ bool carries_joints(const RobotModel& model, std::size_t link) {
   });
 }
 
-bool is_wheel(const RobotModel& model, std::size_t link) {
+/// Sine of the angle between the axis of the joint above the link and the horizontal, at zero.
+double steepness(const RobotModel& model, std::size_t link) {
+  return std::abs((pose_of(model, link).rotation * joint_above(model, link)->axis).z);
+}
+
+/// It is at the end of a continuous joint with a horizontal axis.
+bool turns_as_a_wheel(const RobotModel& model, std::size_t link) {
   const Joint* joint = joint_above(model, link);
-  if (!joint || joint->type != JointType::continuous || carries_joints(model, link)) return false;
-  if (std::abs((pose_of(model, link).rotation * joint->axis).z) > kLevel) return false;
+  return joint && joint->type == JointType::continuous && !carries_joints(model, link) &&
+         steepness(model, link) <= kLevel;
+}
+
+bool looks_like_a_wheel(const RobotModel& model, std::size_t link) {
+  if (!turns_as_a_wheel(model, link)) return false;
   const std::vector<Shape>& shapes = model.links[link].collisions;
   return std::any_of(shapes.begin(), shapes.end(), [](const Shape& shape) {
     return shape.kind == ShapeKind::cylinder || shape.kind == ShapeKind::sphere;
   });
+}
+
+/// True if hardware describes its joints, and this one takes no command.
+bool is_passive(const RobotModel& model, const std::string& joint) {
+  bool any = false;
+  for (const HardwareInfo& block : model.hardware)
+    for (const ComponentInfo& component : block.components) {
+      if (component.kind != "joint") continue;
+      any = true;
+      if (component.name == joint && !component.command_interfaces.empty()) return false;
+    }
+  return any;
+}
+
+bool is_caster(const RobotModel& model, std::size_t link) {
+  if (!turns_as_a_wheel(model, link)) return false;
+  for (const Joint* joint = joint_above(model, link);;) {
+    link = static_cast<std::size_t>(joint->parent_link);
+    joint = joint_above(model, link);
+    if (!joint) return true;
+    const bool swivels = joint->type == JointType::continuous && steepness(model, link) >= kSteep;
+    if (joint->moves() && !swivels && !is_passive(model, joint->name)) return false;
+  }
+}
+
+/// Marks the link and those that carry it, up to the root.
+void mark_up(const RobotModel& model, std::size_t link, std::vector<char>& out) {
+  out[link] = 1;
+  for (const Joint* joint = joint_above(model, link); joint;
+       joint = joint_above(model, static_cast<std::size_t>(joint->parent_link)))
+    out[static_cast<std::size_t>(joint->parent_link)] = 1;
+}
+
+bool is_behind(const RobotModel& model, std::size_t link, const std::vector<int>& joints) {
+  for (int joint = model.links[link].parent_joint; joint >= 0;) {
+    if (std::find(joints.begin(), joints.end(), joint) != joints.end()) return true;
+    joint = model.links[static_cast<std::size_t>(model.joints[static_cast<std::size_t>(joint)].parent_link)]
+                .parent_joint;
+  }
+  return false;
 }
 
 bool rigid_with_root(const RobotModel& model, std::size_t link) {
@@ -84,19 +135,19 @@ std::vector<std::string> links_without_body(const RobotModel& model) {
   return out;
 }
 
-std::vector<char> links_on_the_floor(const RobotModel& model, bool is_freestanding) {
+std::vector<char> links_on_the_floor(const RobotModel& model, bool is_freestanding,
+                                     const std::vector<int>& wheel_joints) {
+  const bool is_said = !wheel_joints.empty();
   std::vector<std::size_t> wheels;
   for (std::size_t i = 0; i < model.links.size(); ++i)
-    if (is_wheel(model, i)) wheels.push_back(i);
-  if (wheels.size() < kFewest) return std::vector<char>(model.links.size(), is_freestanding ? 1 : 0);
+    if (looks_like_a_wheel(model, i) ||
+        (is_said && (is_behind(model, i, wheel_joints) || is_caster(model, i))))
+      wheels.push_back(i);
+  if (!is_said && wheels.size() < kFewest)
+    return std::vector<char>(model.links.size(), is_freestanding ? 1 : 0);
   std::vector<char> out(model.links.size(), 0);
   for (std::size_t i = 0; i < model.links.size(); ++i) out[i] = rigid_with_root(model, i) ? 1 : 0;
-  for (const std::size_t wheel : wheels) {
-    out[wheel] = 1;
-    for (const Joint* joint = joint_above(model, wheel); joint;
-         joint = joint_above(model, static_cast<std::size_t>(joint->parent_link)))
-      out[static_cast<std::size_t>(joint->parent_link)] = 1;
-  }
+  for (const std::size_t wheel : wheels) mark_up(model, wheel, out);
   return out;
 }
 

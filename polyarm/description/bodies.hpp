@@ -14,11 +14,17 @@ bool has_body(const std::vector<Shape>& shapes);
 /// nothing.
 std::vector<std::string> links_without_body(const RobotModel& model);
 
-/// For each link: true if it may touch the floor because its robot rolls or stands on it. If the robot has
-/// two wheels or more, these are the wheels, the links that carry them, and the links rigidly connected to
-/// the root (casters). A wheel is a link with a cylinder or sphere, on a continuous joint with a horizontal
-/// axis, that carries no other joint. For a robot without wheels: all links if it stands free, else none.
-std::vector<char> links_on_the_floor(const RobotModel& model, bool is_freestanding);
+/// For each link: true if it may touch the floor because its robot rolls or stands on it. On a robot with
+/// wheels, these are the wheels, the links that carry them, and the links rigidly connected to the root
+/// (fixed casters). For a robot without wheels: all links if it stands free, else none.
+///
+/// `wheel_joints`: indices of the joints that the controller of its base names, wheels and steering. All
+/// links behind them are wheels, whatever their shapes. So are the casters: links at the end of a continuous
+/// joint with a horizontal axis, behind joints that only swivel (continuous, vertical) or that nothing
+/// commands. Where no controller says it, the robot has wheels if two links or more look like wheels: they
+/// have a cylinder or sphere, on a continuous joint with a horizontal axis, and carry no other joint.
+std::vector<char> links_on_the_floor(const RobotModel& model, bool is_freestanding,
+                                     const std::vector<int>& wheel_joints = {});
 
 /// Sentences about efforts, inertias and masses that are the same round number everywhere, as exporters and
 /// templates write them. Empty if nothing looks like a placeholder.

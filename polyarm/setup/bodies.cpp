@@ -77,7 +77,7 @@ bool checks_contacts(const CellRobot& robot) {
 namespace {
 /// It stands free or has wheels, or is on a robot that does.
 bool can_move(const CellRobot& robot, const CellRobots& robots) {
-  const std::vector<char> rolling = description::links_on_the_floor(robot.model, false);
+  const std::vector<char> rolling = description::links_on_the_floor(robot.model, false, robot.wheel_joints);
   if (is_freestanding(robot) || std::find(rolling.begin(), rolling.end(), 1) != rolling.end()) return true;
   return std::any_of(robots.begin(), robots.end(), [&](const auto& other) {
     return other.get() != &robot && other->entry.name == robot.entry.on && can_move(*other, {});
@@ -94,7 +94,9 @@ std::shared_ptr<const ContactBodies> contact_bodies(const CellRobots& robots, co
   for (std::size_t r = 0; r < robots.size(); ++r) {
     const CellRobot& robot = *robots[r];
     surroundings::make_meshes(out->models[r], out->tools[r], robot.entry.name, problems);
-    surroundings::Robot one{robot.entry.name, &out->models[r], &out->tools[r], -1, can_move(robot, robots), {}};
+    surroundings::Robot one{
+        robot.entry.name,  &out->models[r], &out->tools[r], -1, can_move(robot, robots), {},
+        robot.wheel_joints};
     for (std::size_t i = 0; i < robots.size(); ++i)
       if (!robot.entry.on.empty() && robots[i]->entry.name == robot.entry.on) one.on = static_cast<int>(i);
     one.body = surroundings::robot_body(one);

@@ -16,16 +16,15 @@ ros_files::ControllersFile read_setup(CellSetup& setup, Observer& observer, Prob
     load_plugins(setup.file, problems);
   ros_files::ControllersFile described;
   collect(problems, [&] { described = read_cell_controllers(setup.file, problems); });
-  setup.robots = resolve_robots(setup.file, described.joint_limits, setup.catalogue, setup.options.real,
-                                problems, notes);
+  setup.robots = resolve_robots(setup.file, described, setup.catalogue, setup.options.real, problems, notes);
   add_hardware_faults(setup.robots, Severity::error, problems);
+  make_robot_bodies(setup.robots, problems);  // the floor is below them
   collect(problems, [&] {
     setup.scene = setup.file.scene.empty()
                       ? scene_without_file(setup.robots, notes)
                       : description::read_scene(
                             file_of_cell(setup.file, setup.file.scene, setup.file.scene_where), problems);
   });
-  make_robot_bodies(setup.robots, problems);
   make_scene_bodies(setup.robots, setup.scene, problems);
   setup.unchecked_bodies = cell::unchecked_bodies(setup.robots, setup.scene);
   for (const auto& more : {sentences(setup.unchecked_bodies), physics_notes(setup.robots)})

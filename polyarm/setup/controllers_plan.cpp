@@ -15,6 +15,7 @@
 #include "polyarm/broadcasters/joint_state_broadcaster.hpp"
 #include "polyarm/force/robot_user.hpp"
 #include "polyarm/plugins/types.hpp"
+#include "polyarm/wheels/wheel_names.hpp"
 #include "polyarm/xacro/packages.hpp"
 #include "polyarm/xacro/xacro.hpp"
 
@@ -151,15 +152,17 @@ class Planner {
   /// The rate, Hz, of the robot whose joints the controller names first, otherwise of the robot that it
   /// belongs to; 0: the loop's rate.
   double robots_rate(const controllers::ControllerContext& context) const {
+    std::vector<std::string> joints;
+    for (const char* key : {"joints", "joint", "dof_names"})
+      if (const auto found = context.parameters.entries.find(key); found != context.parameters.entries.end())
+        joints.insert(joints.end(), found->second.values.begin(), found->second.values.end());
+    for (std::string& name : controllers::wheel_names(context.parameters)) joints.push_back(std::move(name));
     std::string owner = context.robot;
     bool names_any = false;
-    for (const char* key : {"joints", "joint", "dof_names", "left_wheel_names", "traction_joints_names",
-                            "traction_joint_name", "wheel_names", "front_left_wheel_command_joint_name"}) {
-      if (names_any || !context.parameters.has(key)) continue;
-      const std::vector<std::string> joints = context.parameters.list(key);
-      if (joints.empty()) continue;
+    for (const std::string& joint : joints) {
+      if (names_any) break;
       try {
-        owner = context.whole_joint(joints.front());
+        owner = context.whole_joint(joint);
         owner.erase(owner.find('/'));
         names_any = true;
       } catch (const Error&) {  // reported when it is configured

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <utility>
 
+#include "polyarm/base/text.hpp"
 #include "polyarm/hardware/driver_loader.hpp"
 #include "polyarm/hardware/force_sensor.hpp"
 #include "polyarm/hardware/transmitted_component.hpp"
@@ -135,6 +136,16 @@ class Components {
     made.hardware.push_back(std::move(block));
   }
 
+  /// Physics lets the wheels touch the floor.
+  static void add_wheels(const CellRobot& robot, hardware::RobotInstance& made) {
+    if (robot.wheel_joints.empty()) return;
+    std::vector<std::string> indices;
+    for (const int joint : robot.wheel_joints) indices.push_back(std::to_string(joint));
+    description::HardwareInfo block;
+    block.parameters["wheel_joints"] = join(indices, " ");
+    made.hardware.push_back(std::move(block));
+  }
+
   void take(const CellRobot& robot) {
     bool tool_given = false;
     const auto with_tool = [&](hardware::RobotInstance& made) {
@@ -151,6 +162,7 @@ class Components {
       planned.context.robots.push_back(instance(robot));
       with_tool(planned.context.robots.back());
       if (robot.driver == "mujoco") add_force_sensor(robot, planned.context.robots.back());
+      if (robot.driver == "mujoco") add_wheels(robot, planned.context.robots.back());
       return;
     }
     for (const HardwareBlock& block : robot.blocks) take_block(robot, block, with_tool);
@@ -195,6 +207,7 @@ class Components {
         instances.push_back(instance(robot));
         with_tool(instances.back());
         if (physics) add_force_sensor(robot, instances.back());
+        if (physics) add_wheels(robot, instances.back());
       }
       instances.back().hardware.push_back(physics ? joints : *block.info);
     }

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 #include <map>
+#include <tuple>
 #include <utility>
 
 #include "polyarm/base/text.hpp"
@@ -20,6 +21,7 @@
 #include "polyarm/setup/bodies.hpp"
 #include "polyarm/setup/cell_reach.hpp"
 #include "polyarm/setup/controllers_plan.hpp"
+#include "polyarm/wheels/wheel_names.hpp"
 
 namespace polyarm::cell {
 
@@ -339,10 +341,10 @@ CellRobots resolve_robots(const CellFile& file, const description::Catalogue& ca
                           Problems& problems, std::vector<std::string>& notes) {
   ros_files::ControllersFile described;
   collect(problems, [&] {
-    Problems other;  // only the limits of these files are needed
+    Problems other;  // only limits and wheels of these files are needed
     described = read_cell_controllers(file, other);
   });
-  return resolve_robots(file, described.joint_limits, catalogue, real, problems, notes);
+  return resolve_robots(file, described, catalogue, real, problems, notes);
 }
 
 namespace {
@@ -358,16 +360,53 @@ void check_carriers(const CellRobots& robots, Problems& problems) {
                      "give both the same hardware, for example hardware: mujoco");
   }
 }
+
+/// The robot that has the joint, as controllers find it: "robot/joint", else a joint of the robot to which
+/// the controller belongs, else of the only robot that has it.
+std::pair<CellRobot*, int> owner_of(const std::string& written, const std::string& ns,
+                                    const CellRobots& robots) {
+  std::pair<CellRobot*, int> only{nullptr, -1};
+  std::size_t count = 0;
+  for (const auto& robot : robots) {
+    const std::string prefix = robot->entry.name + "/";
+    if (written.starts_with(prefix))
+      if (const int joint = robot->model.find_joint(written.substr(prefix.size())); joint >= 0)
+        return {robot.get(), joint};
+  }
+  for (const auto& robot : robots) {
+    const int joint = robot->model.find_joint(written);
+    if (joint < 0) continue;
+    if (robot->entry.name == ns) return {robot.get(), joint};
+    if (count++ == 0 || robot == robots.front()) only = {robot.get(), joint};
+  }
+  return count == 1 || only.first == robots.front().get() ? only : std::pair<CellRobot*, int>{nullptr, -1};
+}
+
+/// Controllers of bases say which joints are wheels, whatever these look like.
+void find_wheels(const ros_files::ControllersFile& described, const CellRobots& robots) {
+  if (robots.empty()) return;
+  for (const ros_files::ControllerEntry& entry : described.controllers) {
+    const std::string ns = entry.ns.substr(entry.ns.rfind('/') + 1);
+    for (const std::string& written : controllers::wheel_names(entry.parameters)) {
+      auto [robot, joint] = owner_of(written, ns, robots);
+      if (!robot)  // "pid_left/left_wheel_joint": a controller between this one and the joint
+        std::tie(robot, joint) = owner_of(written.substr(written.rfind('/') + 1), ns, robots);
+      if (robot && std::find(robot->wheel_joints.begin(), robot->wheel_joints.end(), joint) ==
+                       robot->wheel_joints.end())
+        robot->wheel_joints.push_back(joint);
+    }
+  }
+}
 }  // namespace
 
-CellRobots resolve_robots(const CellFile& file, const std::vector<ros_files::JointLimitsSource>& limits,
+CellRobots resolve_robots(const CellFile& file, const ros_files::ControllersFile& described,
                           const description::Catalogue& catalogue, bool real, Problems& problems,
                           std::vector<std::string>& notes) {
   CellRobots out;
   ReadRobots read;
   for (const RobotEntry& entry : file.robots) {
     try {
-      out.push_back(resolve(file, limits, entry, catalogue, read, real, problems, notes));
+      out.push_back(resolve(file, described.joint_limits, entry, catalogue, read, real, problems, notes));
     } catch (const Error& e) {
       for (Problem problem : e.problems()) {
         if (problem.where.file.empty()) problem.where = entry.where;
@@ -375,6 +414,7 @@ CellRobots resolve_robots(const CellFile& file, const std::vector<ros_files::Joi
       }
     }
   }
+  find_wheels(described, out);
   check_carriers(out, problems);
   if (real) admit_robots(file, problems);
   return out;

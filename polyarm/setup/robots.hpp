@@ -10,8 +10,8 @@
 #include "polyarm/description/scene.hpp"
 #include "polyarm/hardware/hardware.hpp"
 #include "polyarm/moves/robot_motion.hpp"
+#include "polyarm/ros_files/controllers_file.hpp"
 #include "polyarm/ros_files/manager_parameters.hpp"
-#include "polyarm/ros_files/parameter_file.hpp"
 #include "polyarm/setup/cell_file.hpp"
 
 namespace polyarm::cell {
@@ -35,6 +35,8 @@ struct CellRobot {
   std::vector<double> start;                    ///< joint state at the start of a run
   std::vector<controllers::JointFacts> joints;  ///< actuated joints, full names
   std::unique_ptr<moves::RobotFacts> facts;
+  /// Indices of the joints that the controllers of its base name: wheels and steering. Empty: none does.
+  std::vector<int> wheel_joints;
   moves::Workspace slow_zones;           ///< beyond their boundaries the profile is reduced
   std::vector<Problem> hardware_faults;  ///< errors in its <ros2_control>; planning does not need hardware
 };
@@ -56,11 +58,11 @@ std::vector<NamedHardware> named_real_hardware(const CellRobots& robots);
 
 /// Loads models and tools and chooses drivers. Drivers of real hardware are used only if `real`; otherwise a
 /// simulation replaces them. Adds problems with their locations; a robot that cannot be loaded is left out.
-/// `notes` gets one line per replaced component. `limits`: from the controllers' files.
-CellRobots resolve_robots(const CellFile& file, const std::vector<ros_files::JointLimitsSource>& limits,
+/// `notes` gets one line per replaced component. `described`: the controllers' files, for limits and wheels.
+CellRobots resolve_robots(const CellFile& file, const ros_files::ControllersFile& described,
                           const description::Catalogue& catalogue, bool real, Problems& problems,
                           std::vector<std::string>& notes);
-/// The same for callers that have not read the controllers' files; reads only their limits.
+/// The same for callers that have not read the controllers' files; reads only their limits and wheels.
 CellRobots resolve_robots(const CellFile& file, const description::Catalogue& catalogue, bool real,
                           Problems& problems, std::vector<std::string>& notes);
 

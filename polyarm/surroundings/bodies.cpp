@@ -74,7 +74,7 @@ void add_robot(collision::World& world, const Robot& robot, const RobotBody& bod
 
 std::vector<char> links_on_floor(const Robot& robot) {
   if (!robot.is_free || robot.on >= 0) return {};
-  return description::links_on_the_floor(*robot.model, true);
+  return description::links_on_the_floor(*robot.model, true, robot.wheel_joints);
 }
 
 bool is_first_moving(const RobotModel& model, int link) {

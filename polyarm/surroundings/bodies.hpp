@@ -21,6 +21,8 @@ struct Robot {
   bool is_free = false;   ///< its base is not fixed: it drives or stands free
   /// robot_body() of it with empty hands, if somebody has made it already: that takes milliseconds.
   std::shared_ptr<const collision::RobotBody> body;
+  /// Joints that the controller of its base names; empty: the shapes say which links are wheels.
+  std::vector<int> wheel_joints = {};
 };
 
 /// Where everything is at one moment. Robots, parts and movers are in the order of the cell and its scene.

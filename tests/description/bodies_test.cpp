@@ -59,6 +59,65 @@ TEST(Bodies, ArmsHaveNoWheels) {
   for (const char stands : description::links_on_the_floor(model, true)) EXPECT_EQ(stands, 1);
 }
 
+/// Names of the links that may touch the floor.
+std::string rolling(const RobotModel& model, const std::vector<std::string>& said) {
+  std::vector<int> joints;
+  for (const std::string& name : said) joints.push_back(model.find_joint(name));
+  std::string out;
+  const auto stands = description::links_on_the_floor(model, false, joints);
+  for (std::size_t i = 0; i < model.links.size(); ++i)
+    if (stands[i]) out += (out.empty() ? "" : " ") + model.links[i].name;
+  return out;
+}
+
+std::string joint(const std::string& name, const std::string& type, const std::string& parent,
+                  const std::string& axis) {
+  return "<link name='" + name +
+         "'><collision><geometry><mesh filename='a.stl'/></geometry></collision></link>" + "<joint name='" +
+         name + "_joint' type='" + type + "'><parent link='" + parent + "'/><child link='" + name +
+         "'/><axis xyz='" + axis + "'/><limit lower='-1' upper='1' effort='5' velocity='1'/></joint>";
+}
+
+/// An arm on a base with two wheels, two casters that swivel, one on a spring, and a turret.
+std::string mobile_arm(const std::string& wheel) {
+  return "<link name='chassis'/>" + wheel + joint("fixed_caster", "fixed", "chassis", "1 0 0") +
+         joint("swivel", "continuous", "chassis", "0 0 -1") +
+         joint("roller", "continuous", "swivel", "0 1 0") + joint("spring", "prismatic", "chassis", "0 0 1") +
+         joint("sprung", "continuous", "spring", "0 1 0") +
+         joint("shoulder", "continuous", "chassis", "0 0 1") +
+         joint("elbow", "revolute", "shoulder", "0 1 0") + joint("wrist", "continuous", "elbow", "0 1 0");
+}
+
+TEST(Bodies, WhatAControllerDrivesIsAWheelWhateverItLooksLike) {
+  const std::string
+      none =
+          "<link name='left'/><joint name='left_joint' type='continuous'><parent link='chassis'/>"
+          "<child link='left'/><axis xyz='0 1 0'/></joint>",
+      mesh = joint("right", "continuous", "chassis", "0 1 0");
+  const RobotModel model = read(mobile_arm(none + mesh));
+  EXPECT_EQ(rolling(model, {}), "") << "shapes say nothing";
+  EXPECT_EQ(rolling(model, {"left_joint", "right_joint"}), "chassis left right fixed_caster swivel roller");
+}
+
+TEST(Bodies, ACasterOnASpringThatNothingCommandsMayTouchTheFloor) {
+  std::string commanded = "<ros2_control name='h' type='system'><hardware><plugin>p</plugin></hardware>";
+  for (const char* name : {"left", "right", "shoulder", "elbow", "wrist"})
+    commanded += "<joint name='" + std::string(name) + "_joint'><command_interface name='velocity'/></joint>";
+  const std::string wheels =
+      joint("left", "continuous", "chassis", "0 1 0") + joint("right", "continuous", "chassis", "0 1 0");
+  const RobotModel model = read(mobile_arm(wheels) + commanded + "</ros2_control>");
+  EXPECT_EQ(rolling(model, {"left_joint", "right_joint"}),
+            "chassis left right fixed_caster swivel roller spring sprung");
+}
+
+TEST(Bodies, WhatASteeringJointCarriesMayTouchTheFloor) {
+  const RobotModel model =
+      read("<link name='chassis'/>" + joint("knuckle", "revolute", "chassis", "0 0 1") +
+           joint("front", "continuous", "knuckle", "0 1 0") +
+           joint("rear", "continuous", "chassis", "0 1 0") + joint("lift", "prismatic", "chassis", "0 0 1"));
+  EXPECT_EQ(rolling(model, {"knuckle_joint", "rear_joint"}), "chassis knuckle front rear");
+}
+
 std::string arm_with(const std::string& effort, const std::string& inertia, const std::string& mass) {
   std::string out;
   for (const char* name : {"base", "one", "two"})

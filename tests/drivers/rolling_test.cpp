@@ -126,6 +126,27 @@ TEST(Rolling, WheelsOfABaseThatDoesNotStandFreeMayTouchTheFloor) {
   }
 }
 
+/// Wheels of boxes: only the controller says that they are wheels.
+TEST(Rolling, WheelsThatAControllerNamesMayTouchTheFloorWhateverTheirShape) {
+  for (const bool named : {false, true}) {
+    Stage stage;
+    stage.model = base(true);
+    for (const char* wheel : {"left", "right", "front"})
+      stage.model.links[static_cast<std::size_t>(stage.model.find_link(wheel))].collisions = {
+          box({2 * kRadius, 0.015, 2 * kRadius})};
+    stage.base.position = {0, 0, kRadius - 0.002};
+    hardware::ComponentContext context = stage.context();
+    description::HardwareInfo block;
+    if (named)
+      for (const char* joint : {"left", "right", "steer"})
+        block.parameters["wheel_joints"] += std::to_string(stage.model.find_joint(joint)) + " ";
+    context.robots[0].hardware = {block};
+    Rig rig(std::make_unique<drivers::MujocoComponent>(), context);
+    rig.run(0.2);
+    EXPECT_EQ(rig.findings().find("floor") == std::string::npos, named) << rig.findings();
+  }
+}
+
 TEST(Rolling, AWallStopsItAndIsTold) {
   description::Scene scene;
   description::Fixture wall;
