@@ -101,6 +101,7 @@ class Writer {
     for (std::size_t i = 0; i < scene.parts.size(); ++i) twin(i, scene.parts[i]);
     out_ += "</worldbody>\n<contact>\n";
     for (std::size_t r = 0; r < context_.robots.size(); ++r) excludes(r);
+    belt_excludes(scene);
     for (const auto& [a, b] : excluded_) line("<exclude body1=\"{}\" body2=\"{}\"/>", a, b);
     out_ += "</contact>\n<equality>\n";
     for (std::size_t r = 0; r < context_.robots.size(); ++r) couplings(r);
@@ -423,6 +424,18 @@ class Writer {
       line("<exclude body1=\"{}\" body2=\"{}\"/>", link_name(r, a), link_name(r, b));
     world_excludes(r, rigid);
     tool_excludes(r, rigid);
+  }
+
+  /// What stands in a belt, or beside it, would stop its surface. Parts and robots touch it.
+  void belt_excludes(const description::Scene& scene) {
+    const auto exclude = [&](std::size_t belt, const std::string& other) {
+      line("<exclude body1=\"{}\" body2=\"{}\"/>", belt_name(belt), other);
+    };
+    for (std::size_t b = 0; b < scene.belts.size(); ++b) {
+      exclude(b, "world");
+      for (std::size_t m = 0; m < scene.movers.size(); ++m) exclude(b, mover_name(m));
+      for (std::size_t other = b + 1; other < scene.belts.size(); ++other) exclude(b, belt_name(other));
+    }
   }
 
   /// The first moving link turns at the mounting, so its loose capsule may reach into the table.

@@ -91,6 +91,39 @@ INSTANTIATE_TEST_SUITE_P(Speeds, Riding,
                          testing::Values(Ride{0.05, 0}, Ride{0.1, 0.2}, Ride{0.2, 0.7}, Ride{0.3, 1.5},
                                          Ride{0.3, 2.9}, Ride{0.5, -0.3}, Ride{0.5, M_PI / 4}));
 
+/// The wall of a bin in a belt, the next belt at its end, and a stop on a mover do not stop its surface.
+TEST(Riding, WhatReachesIntoABeltDoesNotStopIt) {
+  Stage stage;
+  stage.robot = false;
+  stage.scene = belt();
+  description::Fixture wall;
+  wall.name = "wall";
+  wall.shapes = {box({0.05, 0.05, 0.3})};
+  wall.pose.position = {0.18, 1, 0};
+  description::Mover mover;
+  mover.name = "stop";
+  mover.axis = {0, 0, 1};
+  description::Fixture stop = wall;
+  stop.name = "stop", stop.mover = "stop";
+  stop.pose.position = {-0.18, 1, 0};
+  description::Belt next = stage.scene.belts.front();
+  next.name = "next";
+  next.pose.position = {0, 2 * kHalfLength - 0.01, 0};
+  description::Fixture body = stage.scene.fixtures.front();
+  body.name = body.belt = "next";
+  body.pose = next.pose;
+  stage.scene.belts.push_back(next);
+  stage.scene.movers = {mover};
+  stage.scene.fixtures.insert(stage.scene.fixtures.end(), {wall, stop, body});
+  put_parts(stage.scene, 0.3);
+  Rig rig(std::make_unique<drivers::MujocoComponent>(), stage.context());
+  rig.command("scene/line/speed") = 0.3;
+  rig.run(1);
+  const double from = rig.part(0).pose.position.y, begin = rig.state("scene/line/position");
+  rig.run(3);
+  EXPECT_NEAR(rig.part(0).pose.position.y - from, rig.state("scene/line/position") - begin, 2e-3);
+}
+
 /// MuJoCo 2.2 throws such cubes away without the check of its contacts between boxes.
 TEST(Riding, TurnedCubesLieStillOnATable) {
   Stage stage;
