@@ -56,7 +56,8 @@ moves::BaseSurroundings::Search base_search(std::shared_ptr<SharedBodies> bodies
                      leg.to.heading,
                      leg.backwards,
                      leg.curvature,
-                     leg.length});
+                     leg.length,
+                     way.kept});
     return out;
   };
 }

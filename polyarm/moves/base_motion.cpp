@@ -160,7 +160,10 @@ bool BaseMotion::take_way() {
   }
   way_ = std::move(job->legs);
   // The heading is put right at the end.
-  if (!steers()) way_->push_back({true, move_.to->position, move_.to->position, heading_of(*move_.to)});
+  if (!steers()) {
+    const double kept = way_->empty() ? 0 : way_->back().kept;
+    way_->push_back({true, move_.to->position, move_.to->position, heading_of(*move_.to), false, 0, 0, kept});
+  }
   leg_ = 0, leg_begun_ = false;
   return true;
 }
@@ -268,7 +271,11 @@ std::optional<BaseMotion::Left> BaseMotion::left() const {
   if (!active_ || (move_.to && !leg_begun_)) return std::nullopt;
   const double sign = amount_ < 0 ? -1 : 1;
   const double rest = std::max(0.0, sign * (amount_ - (planned_ ? covered() : 0)));
-  return turns_ ? Left{0, rest} : Left{rest, rest * std::abs(curvature_), curvature_, amount_ < 0};
+  std::optional<double> kept;
+  if (move_.to && leg_ < way_->size()) kept = (*way_)[leg_].kept;
+  const bool backwards = amount_ < 0;
+  return turns_ ? Left{0, rest, 0, backwards, kept}
+                : Left{rest, rest * std::abs(curvature_), curvature_, backwards, kept};
 }
 
 bool BaseMotion::plan(double from) {
@@ -276,7 +283,7 @@ bool BaseMotion::plan(double from) {
   const std::array<MotionLimits, 1> limits{limits_};
   trajectory::MotionOptions options;
   if (from == 0 && !move_.to) options.minimum_duration = move_.duration;
-  time_ = 0, pace_ = 1;
+  time_ = 0, pace_ = slow_ = 1;
   return motion_.plan(start, target, limits, options) == trajectory::MotionStatus::ok;
 }
 
@@ -319,16 +326,25 @@ void BaseMotion::tick(Nanoseconds now, bool running, double share) {
   if (!seen || !has_leg() || (!planned_ && !begin_plan(dt * rate))) return;
   if (steers() && strayed() > kStrayed) return look_again();
   const double done = covered(), most = limits_.max_velocity;
-  time_ += dt * rate * pace_;
+  time_ += dt * rate * pace_ * slow_;
   std::array<MotionState, 1> state;
   motion_.sample(time_, state);
+  slow_down(state[0], dt * rate);
   // The command does not include the share: the controller applies it to every command.
-  const double asked = state[0].velocity + gain_ * (state[0].position - done);
+  const double asked = slow_ * state[0].velocity + gain_ * (state[0].position - done);
   const double speed = std::clamp(asked, -most, most);
   pace_ = speed == asked ? 1 : most / std::abs(asked);  // the plan's time runs slower while the base lags
                                                         // behind at full speed
   if (time_ >= motion_.duration() && late(amount_ - done, dt * rate)) return;
   send_speed(speed);
+}
+
+/// Brings the speed below set_most(), as far as the acceleration that the plan leaves allows.
+void BaseMotion::slow_down(const MotionState& state, double dt) {
+  const double speed = std::max(std::abs(state.velocity), 1e-6);
+  const double wanted = std::min(1.0, most_ / speed);
+  const double left = std::max(0.0, limits_.max_acceleration - std::abs(state.acceleration) * slow_ * slow_);
+  slow_ = std::clamp(wanted, slow_ - dt * left / speed, slow_ + dt * left / speed);
 }
 
 /// True once the base may move along its turn, line or arc.

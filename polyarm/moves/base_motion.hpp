@@ -4,6 +4,7 @@
 #include <atomic>
 #include <cstdint>
 #include <functional>
+#include <limits>
 #include <memory>
 #include <optional>
 #include <utility>
@@ -39,6 +40,7 @@ struct BaseLeg {
   bool backwards = false;  ///< of a line or an arc
   double curvature = 0;    ///< of an arc: 1/m, positive to the left
   double length = 0;       ///< m, of a line or an arc
+  double kept = 0;         ///< m from everything else, along the leg, as it was planned
 };
 
 /// What a base knows of the cell. All but the search itself is called on the cell thread.
@@ -91,9 +93,12 @@ class BaseMotion {
   struct Left {
     double way = 0, turn = 0;
     double curvature = 0;    ///< of the arc, 1/m, positive to the left; 0: a line
-    bool backwards = false;  ///< of a line or an arc
+    bool backwards = false;  ///< of a line or an arc; of a turn: to the right
+    std::optional<double> kept = {};  ///< of a leg: m from everything else, as it was planned
   };
   std::optional<Left> left() const;
+  /// The highest speed from now on, m/s along a line or an arc, rad/s of a turn; infinite: the limits alone.
+  void set_most(double speed) { most_ = speed; }
   State state_of(std::uint64_t id) const;
   /// The reason why the last move failed.
   const std::optional<Problem>& problem() const { return problem_; }
@@ -127,6 +132,7 @@ class BaseMotion {
   bool has_steered(double dt);
   bool go_on();
   bool late(double off, double dt);
+  void slow_down(const trajectory::MotionState& state, double dt);
   void fail(Problem problem);
   void send_speed(double speed);
   void send_steered(double speed, double astray);
@@ -155,6 +161,8 @@ class BaseMotion {
   bool seen_ = false, active_ = false, planned_ = false;
   double time_ = 0, late_ = 0;  // s: time on the plan; time since its end
   double pace_ = 1;             // speed of the plan's time
+  double slow_ = 1;             // the same, below most_
+  double most_ = std::numeric_limits<double>::infinity();
   Nanoseconds last_ = -1, heard_ = 0;  ///< of the last tick; stamp of the newest odometry
   double unheard_ = 0;                 ///< s since it came
   std::uint64_t last_id_ = 0;

@@ -31,8 +31,13 @@ constexpr double kFarthestPoint = 3;
 constexpr double kNearer = 0.2, kLeastNearer = 2e-3;
 /// A way is looked at in steps of at least this length, m.
 constexpr double kStepOfWay = 5e-3;
-/// Where a controller states no deceleration, m/s².
+/// Where a controller states no deceleration, m/s² and rad/s².
 constexpr double kDeceleration = 1;
+/// Nearer to something than the clearance, a base on a way that was planned is not slower than this, m/s; a
+/// point of it on a turn counts as so far from the middle at least, m.
+constexpr double kSlowest = 0.02, kLeastRadius = 0.1;
+/// A base that comes no nearer than this to something leaves it or passes it, m.
+constexpr double kSameDistance = 1e-4;
 
 /// The distance to keep on a way that was planned, with this distance now. A base in contact may leave it.
 double kept_on_way(double distance, double clearance) {
@@ -47,36 +52,69 @@ struct Guards::NearBase {
   int pair = -1;
   std::uint32_t other = 0;  ///< the body of it that the base does not carry
   GuardGap gap;
+  /// The highest speed of the present leg beside what is nearer than the clearance, m/s or rad/s.
+  double most = std::numeric_limits<double>::infinity();
 };
 
 /// Where a base goes and how it comes to rest.
 struct Guards::BaseWay {
   double braking = kDeceleration;                    ///< m/s²
+  double turn_braking = kDeceleration;               ///< rad/s²
   double latency = 0;                                ///< s, before it brakes
+  double clearance = 0;                              ///< m, to be kept from everything else
   std::optional<moves::BaseMotion::Left> left = {};  ///< of a move that ends by itself; nothing: it drives on
   Pose T_world_base = {};                            ///< with `left`: of the frame that its wheels move
 
-  bool is_known() const { return left && left->way > 0; }
-  /// The highest speed with which it comes to rest within this length.
-  double speed_before(double room) const {
-    return braking * (std::sqrt(latency * latency + 2 * room / braking) - latency);
+  bool is_known() const { return left && (left->way > 0 || left->turn > 0); }
+  bool turns() const { return left->way <= 0; }
+  /// The highest speed with which it comes to rest within this length; of a turn in rad and rad/s.
+  double speed_before(double room) const { return speed_before(room, braking); }
+  double leg_speed_before(double room) const { return speed_before(room, turns() ? turn_braking : braking); }
+  /// How far it comes along its line, arc or turn with this speed, if it brakes.
+  double braking_length(double speed) const {
+    const double rest = turns() ? left->turn : left->way;
+    return std::min(rest, speed * (latency + speed / (2 * (turns() ? turn_braking : braking))));
   }
-  /// How far it drives on its line or arc until a body of it, `a` or else `b` of the pair, is nearer than
-  /// `keep` to the other one; at most `most`. `gap`: now, and then there.
+  /// No point of the base moves farther for each m or rad of the leg.
+  double lever() const { return turns() ? kFarthestPoint : 1 + std::abs(left->curvature) * kFarthestPoint; }
+  /// The distance that the base keeps on its leg from what is so far away now. What a way was planned with is
+  /// enough.
+  double keep(double distance) const {
+    const double now = kept_on_way(distance, clearance);
+    return left->kept && *left->kept > 0 ? std::min(now, kept_on_way(*left->kept, clearance)) : now;
+  }
+  /// How far it drives on its leg until a body of it, `a` or else `b` of the pair, is nearer than `keep` to
+  /// the other one; at most `most`. `gap`: now, and then there.
   double free(surroundings::GuardBodies& bodies, const GuardPair& pair, bool a, double keep, double most,
               GuardGap& gap) const;
+  /// The distance of the pair after so much of the leg, or a bound that is at least `enough`.
+  double distance_after(surroundings::GuardBodies& bodies, const GuardPair& pair, bool a, double driven,
+                        double enough) const {
+    return bodies.gap_after(pair, a, after(driven), enough).distance;
+  }
+
+  /// Looks along the leg that it drives with the speed `fast`; `middle`: about which it turns.
+  void look(surroundings::GuardBodies& bodies, const GuardPair& pair, bool a, double fast, const Vec3& middle,
+            GuardGap gap, NearBase& out) const;
 
  private:
+  double speed_before(double room, double most) const {
+    return most * (std::sqrt(latency * latency + 2 * room / most) - latency);
+  }
   Pose after(double driven) const;
 };
 
-/// The motion in the world until it has driven so far along its line or arc.
+/// The motion in the world until it has driven so far along its leg.
 Pose Guards::BaseWay::after(double driven) const {
   const Vec3 ahead = T_world_base.rotation * Vec3{1, 0, 0};
   const surroundings::BasePlace now{T_world_base.position.x, T_world_base.position.y,
                                     std::atan2(ahead.y, ahead.x)};
-  const surroundings::BasePlace then =
-      surroundings::along(now, left->curvature, left->backwards ? -driven : driven);
+  const double length = left->backwards ? -driven : driven;
+  surroundings::BasePlace then = now;
+  if (turns())
+    then.heading += length;
+  else
+    then = surroundings::along(now, left->curvature, length);
   const auto pose = [](const surroundings::BasePlace& at) {
     return Pose{{at.x, at.y, 0}, from_rpy(0, 0, at.heading)};
   };
@@ -85,15 +123,33 @@ Pose Guards::BaseWay::after(double driven) const {
 
 double Guards::BaseWay::free(surroundings::GuardBodies& bodies, const GuardPair& pair, bool a, double keep,
                              double most, GuardGap& gap) const {
-  const double lever = 1 + std::abs(left->curvature) * kFarthestPoint;
   double driven = 0, proven = 0;  // the distances are enough as far as `proven`
   while (gap.distance >= keep) {
     if (driven >= most) return most;
-    proven = driven + (gap.distance - keep) / lever;
+    proven = driven + (gap.distance - keep) / lever();
     driven = std::min(most, std::max(proven, driven + kStepOfWay));
-    gap = bodies.gap_after(pair, a, after(driven), keep + lever * (most - driven));
+    gap = bodies.gap_after(pair, a, after(driven), keep + lever() * (most - driven));
   }
   return proven;
+}
+
+void Guards::BaseWay::look(surroundings::GuardBodies& bodies, const GuardPair& pair, bool a, double fast,
+                           const Vec3& middle, GuardGap gap, NearBase& out) const {
+  const double most = braking_length(fast), now = gap.distance;
+  if (now < clearance || left->kept) {
+    const double then = distance_after(bodies, pair, a, most, clearance), least = std::min(now, then);
+    if (least < clearance && then <= now + kSameDistance) {  // it does not leave it
+      const double radius = turns() ? std::max(norm((a ? gap.on_a : gap.on_b) - middle), kLeastRadius) : 1;
+      out.most = std::min(out.most, std::max(speed_before(least), kSlowest) / radius);
+    }
+  }
+  const double driven = free(bodies, pair, a, keep(now), most, gap);
+  if (driven >= most) return;
+  const double share = leg_speed_before(driven) / fast;
+  if (share >= out.share) return;
+  out.share = share, out.gap = gap;
+  out.pair = static_cast<int>(&pair - bodies.pairs().data());
+  out.other = a ? pair.b : pair.a;
 }
 
 /// Sees how a base moves. Says once that nothing guards the arm on a base that drives.
@@ -135,11 +191,16 @@ bool Guards::base_drives(std::size_t r) const {
   return is_asked || norm(of.base_velocity) > kBaseStands || std::abs(of.base_turning) > kBaseStands;
 }
 
-double Guards::braking_of_base(std::size_t r) const {
-  const controllers::SpeedLimits limits = cell_.motions.wheels(r)->controller().linear_limits();
+namespace {
+double braking_of(const controllers::SpeedLimits& limits) {
   for (const double limit : {limits.max_deceleration, limits.max_acceleration})
     if (std::isfinite(limit) && limit != 0) return std::abs(limit);
   return kDeceleration;
+}
+}  // namespace
+
+double Guards::braking_of_base(std::size_t r) const {
+  return braking_of(cell_.motions.wheels(r)->controller().linear_limits());
 }
 
 /// `velocity`: of the base in the world, `turning`: about the vertical.
@@ -167,28 +228,22 @@ Guards::NearBase Guards::near_base(std::size_t r, const Vec3& velocity, double t
     if (!pair.active || pair.own || pair.of_part || pair.slack >= within) continue;
     const bool a = is_carried(pair.robot_a), b = is_carried(pair.robot_b);
     if (a == b || bodies.kind(a ? pair.b : pair.a) == Kind::floor) continue;
-    GuardGap gap = bodies.gap_of(pair, within);
+    const GuardGap gap = bodies.gap_of(pair, within);
     if (gap.distance >= within) continue;
     if (way.is_known()) {
-      const double speed = norm(velocity);
-      const double most = std::min(way.left->way, speed * (way.latency + speed / (2 * way.braking)));
-      const double keep = kept_on_way(gap.distance, clearance);
-      const double free = way.free(bodies, pair, a, keep, most, gap);
-      if (free >= most) continue;
-      const double share = way.speed_before(free) / speed;
-      if (share < out.share) out = {share, static_cast<int>(i), a ? pair.b : pair.a, gap};
+      way.look(bodies, pair, a, way.turns() ? std::abs(turning) : norm(velocity), middle, gap, out);
       continue;
     }
+    if (way.left) continue;  // its leg ends here
     const Vec3 point = a ? gap.on_a : gap.on_b, away = a ? gap.normal : -gap.normal;
     const Vec3 moves = velocity + cross(Vec3{0, 0, turning}, point - middle);
     const double closing = -dot(moves, away);
     if (closing < kClosesIn) continue;
     const double room = std::max(0.0, gap.distance - clearance);
-    if (way.left && way.left->way + way.left->turn * norm(point - middle) <= room)
-      continue;  // it ends before
     const double most = way.speed_before(room);
     if (most >= out.share * closing) continue;
-    out = {most / closing, static_cast<int>(i), a ? pair.b : pair.a, gap};
+    out.share = most / closing, out.pair = static_cast<int>(i), out.gap = gap;
+    out.other = a ? pair.b : pair.a;
   }
   return out;
 }
@@ -199,7 +254,9 @@ BaseShare Guards::share_of_base(std::size_t r, double ahead, double turn) {
   const bool knows = work_->bodies && work_->bodies->has_looked() && work_->seen >= 0;
   if (work_->off || !knows || !cell_.setup.file.guards.bases || !cell_.motions.wheels(r)) return {};
   const Vec3 velocity = work_->moment.robots[r].base.rotation * Vec3{ahead, 0, 0};
-  const NearBase found = near_base(r, velocity, turn, {braking_of_base(r) / 2, kLatencyOfKeys});
+  const NearBase found =
+      near_base(r, velocity, turn,
+                {braking_of_base(r) / 2, kDeceleration, kLatencyOfKeys, cell_.setup.file.guards.clearance});
   if (found.pair < 0) return {};
   return {found.share < kLeastShare ? 0 : found.share, work_->bodies->name(found.other)};
 }
@@ -207,11 +264,16 @@ BaseShare Guards::share_of_base(std::size_t r, double ahead, double turn) {
 /// Holds the cell when a base that drives could hardly stop before a contact.
 void Guards::look_at_base(std::size_t r) {
   Of& of = work_->robots[r];
+  if (moves::BaseMotion* const wheels = cell_.motions.wheels(r))
+    wheels->set_most(std::numeric_limits<double>::infinity());
   if (!base_drives(r) || !runs()) return;
   const Vec3 velocity{of.base_velocity.x, of.base_velocity.y, 0};
   moves::BaseMotion& wheels = *cell_.motions.wheels(r);
-  const BaseWay way{braking_of_base(r), kLatencyOfHold, wheels.left(), wheels.pose()};
+  const BaseWay way{braking_of_base(r), braking_of(wheels.controller().angular_limits()),
+                    kLatencyOfHold,     cell_.setup.file.guards.clearance,
+                    wheels.left(),      wheels.pose()};
   const NearBase found = near_base(r, velocity, of.base_turning, way);
+  wheels.set_most(found.most);
   if (found.pair < 0) return;
   of.ahead_of = {0, found.pair, found.gap, cell_.setup.file.guards.clearance};
   stop_before(r, "guard", cell_.setup.robots[r]->entry.name + " stopped before a contact: " + text_of(r));

@@ -210,9 +210,12 @@ class Search {
   std::priority_queue<Entry> open_;
 };
 
-BaseWay search(const Ground& ground, const BaseWayQuery& query, std::size_t most_steered) {
-  if (std::isfinite(query.sharpest)) return find_steered_way(ground, query, most_steered);
-  return Search(ground, query).run();
+BaseWay search(Ground& ground, double clearance, const BaseWayQuery& query, std::size_t most_steered) {
+  ground.keep(clearance);
+  BaseWay out = std::isfinite(query.sharpest) ? find_steered_way(ground, query, most_steered)
+                                              : Search(ground, query).run();
+  out.kept = clearance;
+  return out;
 }
 
 }  // namespace
@@ -232,12 +235,10 @@ BaseWay find_base_way(const std::vector<Robot>& robots, const description::Scene
   for (const double more : kMore) {
     const double wider = std::min(query.clearance + more, kRoom * room);
     if (wider <= least || (std::isfinite(query.sharpest) && more != kMore.front())) continue;
-    ground.keep(wider);
-    BaseWay way = search(ground, query, kMostSteeredWide);
+    BaseWay way = search(ground, wider, query, kMostSteeredWide);
     if (way.outcome == BaseWayOutcome::found || (query.stop && query.stop())) return way;
   }
-  ground.keep(least);
-  return search(ground, query, kMostSteered);
+  return search(ground, least, query, kMostSteered);
 }
 
 }  // namespace polyarm::surroundings

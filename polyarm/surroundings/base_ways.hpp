@@ -46,6 +46,7 @@ struct BaseWay {
   BaseWayOutcome outcome = BaseWayOutcome::no_way;
   std::vector<BaseLeg> legs;  ///< from the present place to the goal; empty if it is there
   std::string mine, other;    ///< start_touches, goal_touches: the two bodies
+  double kept = 0;            ///< found: the clearance that all legs keep
 };
 
 /// The base moves with what it carries: robots on it with their joints as they are, parts that they hold, and

@@ -80,22 +80,26 @@ class WheeledBases : public ::testing::Test {
                  "controllers: controllers.yaml\nprogram: go\n");
     cell = std::make_unique<LockStepCell>(read_cell_file(folder.path()));
   }
-  /// A base with a body, 0.4 m long, before a wall at x = 1 m.
-  void start_before_a_wall(const std::string& program, const std::string& guards = "") {
-    std::string description = urdf({"right", "left"}, {"front"});
+  static constexpr const char* kSphere =
+      "<collision><geometry><sphere radius=\"0.1\"/></geometry></collision>";
+  /// A base with a body, 0.4 m long, before a wall at x = 1 m. `shape`: of its wheels.
+  void start_before_a_wall(const std::string& program, const std::string& guards = "",
+                           const std::string& shape = kSphere) {
+    start_before_a_wall(urdf({"right", "left"}, {"front"}), kTricycle, program, guards, shape);
+  }
+  void start_before_a_wall(std::string description, const std::string& controllers,
+                           const std::string& program, const std::string& guards, const std::string& shape) {
     const std::string empty = "<link name=\"base_link\"/>";
     description.replace(description.find(empty), empty.size(),
                         "<link name=\"base_link\"><collision><origin xyz=\"0 0 0.3\"/><geometry><box "
                         "size=\"0.4 0.3 0.2\"/></geometry></collision></link>");
-    for (const std::string wheel : {"right", "left", "front"}) {
+    for (const std::string wheel : {"right", "left", "front", "fl", "fr", "rr", "rl"}) {
       const std::string link = "<link name=\"" + wheel + "_link\"/>";
-      description.replace(
-          description.find(link), link.size(),
-          "<link name=\"" + wheel +
-              "_link\"><collision><geometry><sphere radius=\"0.1\"/></geometry></collision></link>");
+      if (const std::size_t at = description.find(link); at != std::string::npos)
+        description.replace(at, link.size(), "<link name=\"" + wheel + "_link\">" + shape + "</link>");
     }
     folder.write("base.urdf", description);
-    folder.write("controllers.yaml", kTricycle);
+    folder.write("controllers.yaml", controllers);
     folder.write("go.script", program);
     folder.write("scene.yaml",
                  "polyarm: scene/1\nfloor: {height: -0.1}\nfixtures:\n"
@@ -139,8 +143,11 @@ TEST_F(WheeledBases, ABaseThatSteersDrivesStraightBothWays) {
   EXPECT_NEAR(place().heading(), 0, 0.01);
 }
 
-TEST_F(WheeledBases, ABaseStopsBeforeAWall) {
-  start_before_a_wall("drive 1500mm\n");
+/// Wheels are what the controller drives: their shapes say nothing.
+class WheelsOfAnyShape : public WheeledBases, public ::testing::WithParamInterface<const char*> {};
+
+TEST_P(WheelsOfAnyShape, ABaseStopsBeforeAWall) {
+  start_before_a_wall("drive 1500mm\n", "", GetParam());
   ASSERT_TRUE(cell->ask({{"request", "program.start"}})["ok"].get<bool>());
   double most = 0;
   for (int i = 0; i < 4000; ++i) {
@@ -153,6 +160,98 @@ TEST_F(WheeledBases, ABaseStopsBeforeAWall) {
   EXPECT_LT(most, 0.8) << "its front is 0.2 m before its middle";
   EXPECT_GT(most, 0.6);
 }
+
+constexpr const char* kBox = "<collision><geometry><box size=\"0.2 0.05 0.2\"/></geometry></collision>";
+INSTANTIATE_TEST_SUITE_P(
+    Shapes, WheelsOfAnyShape,
+    testing::Values("<collision><geometry><sphere radius=\"0.1\"/></geometry></collision>", "", kBox));
+
+struct BaseKind {
+  std::string name;
+  std::vector<std::string> wheels, steering;
+  std::string controllers;
+};
+std::ostream& operator<<(std::ostream& out, const BaseKind& kind) {
+  return out << kind.name;
+}
+class BasesThatGoNear : public WheeledBases, public ::testing::WithParamInterface<BaseKind> {
+ protected:
+  /// Until it has ended or is held; the most that it was ahead.
+  double drive(const std::string& program) {
+    start_before_a_wall(urdf(GetParam().wheels, GetParam().steering), GetParam().controllers, program,
+                        "contacts: {clearance: 40mm}\nguards: {clearance: 40mm}\n", kSphere);
+    EXPECT_TRUE(cell->ask({{"request", "program.start"}})["ok"].get<bool>());
+    double most = 0;
+    while (!ended() && now() < 60 && cell->cell().loop().supervisor().state() == control::RunState::running) {
+      cell->tick();
+      most = std::max(most, place().x());
+    }
+    return most;
+  }
+};
+
+/// Its front is 0.2 m before its middle, the wall begins at 1 m: 15 mm are left, the clearance is 40 mm.
+TEST_P(BasesThatGoNear, TheyReachAGoalThatIsNearerToAWallThanTheClearance) {
+  const double most = drive("drive pose(0.785m)\n");
+  EXPECT_TRUE(ended()) << cell->cell().stop_cause().what;
+  EXPECT_FALSE(cell->cell().program()->failed()) << failure();
+  EXPECT_NEAR(place().x(), 0.785, GetParam().steering.empty() ? 0.003 : 0.01);
+  EXPECT_LT(most, 0.8) << "it does not touch the wall";
+}
+
+/// At its end a corner is 12 mm from the wall.
+TEST_P(BasesThatGoNear, TheyTurnNearAWallAsItWasPlanned) {
+  if (!GetParam().steering.empty()) GTEST_SKIP() << "it does not turn on the spot";
+  drive("drive pose(0.74m, 0, 0, 0, 0, 30deg)\n");
+  EXPECT_TRUE(ended()) << cell->cell().stop_cause().what;
+  EXPECT_FALSE(cell->cell().program()->failed()) << failure();
+  EXPECT_NEAR(place().heading(), std::numbers::pi / 6, 0.01);
+}
+
+TEST_P(BasesThatGoNear, TheyLeaveAPlaceNearAWall) {
+  drive("drive pose(0.785m)\ndrive pose(0.3m)\n");
+  EXPECT_TRUE(ended()) << cell->cell().stop_cause().what;
+  EXPECT_FALSE(cell->cell().program()->failed()) << failure();
+  EXPECT_NEAR(place().x(), 0.3, 0.01);
+}
+
+TEST_P(BasesThatGoNear, WithoutAPlanTheyKeepTheClearance) {
+  const double most = drive("drive 785mm\n");
+  cell->run(2);
+  EXPECT_FALSE(ended());
+  EXPECT_EQ(cell->result({{"request", "health"}})["state"], "held");
+  EXPECT_LT(most, 0.765);
+}
+
+constexpr const char* kTwoWheels = R"(
+controller_manager:
+  ros__parameters: {update_rate: 100, base: {type: diff_drive_controller/DiffDriveController}}
+base:
+  ros__parameters:
+    left_wheel_names: [left]
+    right_wheel_names: [right]
+    wheel_separation: 0.3
+    wheel_radius: 0.1
+    linear.x: {max_velocity: 0.5, max_acceleration: 1.0}
+    angular.z: {max_velocity: 1.5, max_acceleration: 4.0}
+)";
+constexpr const char* kOmni = R"(
+controller_manager:
+  ros__parameters: {update_rate: 100, base: {type: omni_wheel_drive_controller/OmniWheelDriveController}}
+base:
+  ros__parameters:
+    wheel_names: [fl, rl, fr]
+    robot_radius: 0.2
+    wheel_radius: 0.08
+    linear.x: {max_velocity: 0.5, max_acceleration: 0.5}
+    angular.z: {max_velocity: 1.0, max_acceleration: 2.0}
+)";
+INSTANTIATE_TEST_SUITE_P(Bases, BasesThatGoNear,
+                         testing::Values(BaseKind{"diff", {"right", "left"}, {}, kTwoWheels},
+                                         BaseKind{"tricycle", {"right", "left"}, {"front"}, kTricycle},
+                                         BaseKind{"mecanum", {"fl", "fr", "rr", "rl"}, {}, kMecanum},
+                                         BaseKind{"omni", {"fl", "rl", "fr"}, {}, kOmni}),
+                         [](const auto& made) { return made.param.name; });
 
 /// Its way to a standstill is shorter than a step in which guards look along its way.
 TEST_F(WheeledBases, ABaseThatCreepsStopsBeforeAWallToo) {
