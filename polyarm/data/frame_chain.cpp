@@ -18,4 +18,11 @@ void refuse_frames(const std::vector<std::string>& way, const std::string& name)
               "one frame of the chain must be in the world, or on a robot");
 }
 
+std::vector<std::string> named_frames(const std::vector<std::string>& robots) {
+  std::vector<std::string> out = {"world", "base"};
+  for (const std::string& robot : robots)
+    for (const auto& [part, kind] : kRobotFrameParts) out.push_back(robot + "/" + part);
+  return out;
+}
+
 }  // namespace polyarm::data

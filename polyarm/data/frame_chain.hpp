@@ -2,8 +2,10 @@
 /// The frames of points, followed outwards. Every part of Polyarm that needs the place of a frame begins
 /// here.
 #include <algorithm>
+#include <array>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "polyarm/base/pose.hpp"
@@ -50,18 +52,23 @@ struct RobotFrame {
   std::string robot;  ///< empty: the robot that moves
   Part part = Part::base;
 };
+/// The names of these parts.
+inline constexpr std::array<std::pair<const char*, RobotFrame::Part>, 4> kRobotFrameParts{
+    {{"base", RobotFrame::Part::base},
+     {"flange", RobotFrame::Part::flange},
+     {"tool0", RobotFrame::Part::flange},
+     {"tcp", RobotFrame::Part::tcp}}};
 /// Empty: no robot has a frame with this name.
 inline std::optional<RobotFrame> robot_frame(const std::string& name) {
-  using Part = RobotFrame::Part;
   if (name == "base") return RobotFrame{};
   const auto slash = name.find('/');
   if (slash == std::string::npos || slash == 0) return std::nullopt;
-  const std::string part = name.substr(slash + 1);
-  if (part == "base") return RobotFrame{name.substr(0, slash), Part::base};
-  if (part == "flange" || part == "tool0") return RobotFrame{name.substr(0, slash), Part::flange};
-  if (part == "tcp") return RobotFrame{name.substr(0, slash), Part::tcp};
+  for (const auto& [word, part] : kRobotFrameParts)
+    if (name.compare(slash + 1, std::string::npos, word) == 0) return RobotFrame{name.substr(0, slash), part};
   return std::nullopt;
 }
+/// The frames that are no points: `world`, `base`, and those of these robots.
+std::vector<std::string> named_frames(const std::vector<std::string>& robots);
 
 /// For errors about unknown frames.
 inline constexpr const char* kFramesAre =

@@ -173,11 +173,24 @@ void require_room_for(const data::DataStore& store, const std::string& name) {
               "delete some of them");
 }
 
+namespace {
+/// Throws Error("frame-cycle") if a point with this value would be in a frame that is in the point itself.
+void require_no_circle(const data::DataStore& store, const std::string& name, const data::Value& value) {
+  const data::Point* const point = value.as_point();
+  if (!point) return;
+  data::frame_chain(name, [&](const std::string& each) {
+    const data::Value* const kept = each == name ? &value : store.find(each);
+    return kept ? kept->as_point() : nullptr;
+  });
+}
+}  // namespace
+
 Poll<ChangedPoint> edit_value(const PointOwners& cell, const std::string& set, const std::string& what,
                               const std::string& name, const data::Value& value,
                               const std::optional<std::string>& group) {
   require_room_for(cell.data.store, name);
   data::check_can_keep(name, value, set);
+  require_no_circle(cell.data.store, name, value);
   if (group) data::check_group(*group);
   const auto change = [name, value, group](data::ImportFile& file) {
     file.set(name, value);
@@ -217,11 +230,11 @@ std::optional<Pose> on_robot(const CellSetup& setup, const data::RobotFrame& fra
 }
 
 std::vector<std::string> frames_of(const CellSetup& setup, const data::DataStore& store) {
-  std::vector<std::string> out = {"world", "base"};
+  std::vector<std::string> robots;
+  for (const auto& robot : setup.robots) robots.push_back(robot->entry.name);
+  std::vector<std::string> out = data::named_frames(robots);
   for (const std::string& name : store.names())
     if (store.find(name)->as_point()) out.push_back(name);
-  for (const auto& robot : setup.robots)
-    for (const char* part : {"/base", "/flange", "/tcp"}) out.push_back(robot->entry.name + part);
   return out;
 }
 }  // namespace

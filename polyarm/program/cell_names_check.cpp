@@ -1,6 +1,7 @@
 #include <algorithm>
 
 #include "polyarm/base/text.hpp"
+#include "polyarm/data/frame_chain.hpp"
 #include "polyarm/program/code.hpp"
 #include "polyarm/program/scope.hpp"
 
@@ -100,9 +101,7 @@ class CellNamesCheck {
   std::vector<std::string> frames() const {
     std::vector<std::string> out = points();
     out.insert(out.end(), known_.robots->belts.begin(), known_.robots->belts.end());
-    out.insert(out.end(), {"world", "base"});
-    for (const std::string& robot : known_.robots->names)
-      for (const char* part : {"base", "flange", "tool0", "tcp"}) out.push_back(robot + "/" + part);
+    for (std::string& name : data::named_frames(known_.robots->names)) out.push_back(std::move(name));
     return out;
   }
 

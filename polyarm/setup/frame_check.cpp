@@ -82,7 +82,9 @@ std::optional<Pose> FrameCheck::frame(const std::string& name, const data::Entry
   }
   if (chain.root.empty()) return chain.pose;
   if (later_.contains(chain.root)) return std::nullopt;
-  std::vector<std::string> known = {"world", "base"};
+  std::vector<std::string> names;
+  for (const auto& robot : robots_) names.push_back(robot->entry.name);
+  std::vector<std::string> known = data::named_frames(names);
   if (const auto part = data::robot_frame(chain.root)) {
     if (part->robot.empty())
       return robots_.size() == 1 ? std::optional(robots_.front()->entry.base * chain.pose) : std::nullopt;
@@ -91,8 +93,6 @@ std::optional<Pose> FrameCheck::frame(const std::string& name, const data::Entry
         return part->part == data::RobotFrame::Part::base ? std::optional(robot->entry.base * chain.pose)
                                                           : std::nullopt;
   }
-  for (const auto& robot : robots_)
-    for (const char* part : {"/base", "/flange", "/tool0", "/tcp"}) known.push_back(robot->entry.name + part);
   for (const auto& each : entries_)
     if (each.second->value.as_point()) known.push_back(each.first);
   const auto owner = entries_.find(chain.owner);

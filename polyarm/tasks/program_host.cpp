@@ -64,9 +64,9 @@ std::vector<double> joints_by_name(const description::RobotModel& model, const d
 const data::Value* ProgramHost::find(std::string_view name) const {
   const data::Value* value = c_.store->find(name);
   const data::Point* point = value ? value->as_point() : nullptr;
-  if (!point || !c_.moves || point->frame().empty()) return value;
+  if (!point || (!c_.moves && !c_.in_world) || point->frame().empty()) return value;
   data::Value& out = in_world_[std::string(name)];
-  out = c_.moves->in_world(*point);
+  out = in_world(*point);
   return &out;
 }
 

@@ -60,6 +60,8 @@ class ProgramHost : public program::Host {
     data::DataStore* store = nullptr;
     DataFiles* files = nullptr;
     ProgramMoves* moves = nullptr;  ///< null: the task moves nothing (a PLC)
+    /// Without moves: a point of a frame, in the world as it is now; null: such points stay in their frames.
+    std::function<data::Point(const data::Point&)> in_world;
     /// standing: true if every robot is at rest; null if unknown. hold: holds the robots.
     std::function<bool()> standing;
     std::function<void(const std::string&, const Location&)> hold;
@@ -109,7 +111,7 @@ class ProgramHost : public program::Host {
   data::JointState joints_at(const data::Value& place, const data::JointState* near, const std::string& robot,
                              const std::string& tool, const std::string& frame) const override;
   data::Point in_world(const data::Point& point) const override {
-    return c_.moves ? c_.moves->in_world(point) : point;
+    return c_.moves ? c_.moves->in_world(point) : c_.in_world ? c_.in_world(point) : point;
   }
   data::Value pose_at(const data::JointState& joints, const std::string& robot, const std::string& tool,
                       const std::string& frame) const override;

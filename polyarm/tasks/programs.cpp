@@ -6,6 +6,9 @@
 #include <utility>
 
 #include "polyarm/base/file.hpp"
+#include "polyarm/base/text.hpp"
+#include "polyarm/data/frame_chain.hpp"
+#include "polyarm/data/point_frames.hpp"
 #include "polyarm/language/parser.hpp"
 #include "polyarm/program/code.hpp"
 
@@ -38,7 +41,44 @@ ProgramHost::Context Programs::context(const std::string& task) const {
   out.belts = belts_.get();
   out.streams = streams_.get();
   out.folder = setup_.file.folder;
+  out.in_world = [this](const data::Point& point) { return in_world(point); };
   return out;
+}
+
+/// As for programs (ProgramMoves::in_world), but robots may be under way: a frame on one is where it is now.
+data::Point Programs::in_world(const data::Point& point) const {
+  if (point.frame().empty()) return point;
+  const data::FrameChain chain = data::frame_chain(point.frame(), [this](const std::string& name) {
+    const data::Value* value = belts_ && belts_->has(name) ? nullptr : data_.store.find(name);
+    return value ? value->as_point() : nullptr;
+  });
+  if (belts_ && belts_->has(chain.root)) return point;
+  Pose frame = chain.pose;
+  if (!chain.root.empty()) {
+    const auto part = data::robot_frame(chain.root);
+    if (part && part->robot.empty() && setup_.robots.size() != 1) return point;
+    const auto on = part ? on_robot(*part) : std::nullopt;
+    if (!on)
+      throw Error("unknown-frame",
+                  "there is no frame '" + chain.root + "'" + did_you_mean(chain.root, data_.store.names()),
+                  data::kFramesAre);
+    frame = *on * frame;
+  }
+  data::Point out = data::converted(point, "world", normalized(frame.rotation * data::axes_of(point)));
+  out.pose = frame * point.pose;
+  return out;
+}
+
+std::optional<Pose> Programs::on_robot(const data::RobotFrame& frame) const {
+  using Part = data::RobotFrame::Part;
+  for (std::size_t i = 0; i < setup_.robots.size(); ++i) {
+    const CellRobot& robot = *setup_.robots[i];
+    if (!frame.robot.empty() && robot.entry.name != frame.robot) continue;
+    if (frame.part == Part::base) return robot.entry.base;
+    const Pose tcp = motions_.tcp(i);
+    return frame.part == Part::tcp ? tcp : tcp * inverse(robot.tool.tcp);
+  }
+  return std::nullopt;
 }
 
 void Programs::load(Problems& problems) {

@@ -120,6 +120,8 @@ class Programs {
   void forget(const moves::BaseMotion& base);
 
  private:
+  data::Point in_world(const data::Point& point) const;
+  std::optional<Pose> on_robot(const data::RobotFrame& frame) const;
   void start(program::Program program);
   void keep_breakpoints(const FileBreakpoints& of_file);
   void place_breakpoints();

@@ -16,7 +16,9 @@ class PointFrames : public testing::Test {
   void run(const std::string& points, const std::string& program, const std::string& robots = kUr3) {
     hardware::register_driver(
         "mock", [] { return std::unique_ptr<hardware::Component>(new drivers::MockComponent); });
-    folder.write("cell.yaml", "polyarm: cell/1\nrobots: " + robots + "\nprogram: main.script\n");
+    folder.write("cell.yaml", "polyarm: cell/1\nrobots: " + robots + "\nprogram: main.script\n" +
+                                  (plc.empty() ? "" : "plc: plc.script\n"));
+    if (!plc.empty()) folder.write("plc.script", "load places\n" + plc);
     folder.write("places.points", points);
     folder.write("main.script", "load places\n" + program);
     cell::CellOptions options;
@@ -38,8 +40,14 @@ class PointFrames : public testing::Test {
     EXPECT_LT(angle_between(cell->tcp(robot).rotation, wanted.rotation), 1e-6);
   }
 
+  struct Logs : cell::Observer {
+    std::vector<std::string> lines;
+    void on_log(Nanoseconds, const std::string&, const std::string& text) override { lines.push_back(text); }
+  };
+
   test::Folder folder;
-  cell::Observer observer;
+  std::string plc;  ///< empty: none
+  Logs observer;
   std::unique_ptr<test::OpenCell> cell;
 };
 
@@ -95,6 +103,44 @@ TEST_F(PointFrames, AFrameThatHangsOnItselfIsToldAndNothingHangs) {
   EXPECT_EQ(cell->failure()->problem.code, "frame-cycle");
   EXPECT_NE(cell->failure()->problem.text().find("in a circle: b in a in b"), std::string::npos)
       << cell->failure()->problem.text();
+}
+
+TEST_F(PointFrames, AFrameInACircleIsNotSet) {
+  run(kFramedPoints, "movej p\n");
+  test::LockStepCell open(cell::read_cell_file(folder.path() / "cell.yaml"),
+                          std::vector<std::filesystem::path>{POLYARM_SOURCE_DIR "/robots"});
+  const auto refused = [&](const std::string& name, const std::string& frame) {
+    const test::Json answer = open.ask({{"request", "points.set"},
+                                        {"name", name},
+                                        {"value", "pose(0.3, 0, 0.05, 0, 0, 0)"},
+                                        {"frame", frame}});
+    return answer["ok"].get<bool>() ? std::string("set") : answer["error"]["what"].get<std::string>();
+  };
+  EXPECT_EQ(refused("table", "corner"), "frames depend on each other in a circle: table in corner in table");
+  EXPECT_EQ(refused("table", "table"), "the frame 'table' is stated in itself");
+  EXPECT_EQ(refused("Own", "Own"), "there is no frame 'Own'");
+  EXPECT_EQ(refused("p", "corner"), "set");
+}
+
+/// A PLC reads points as a program does.
+TEST_F(PointFrames, ThePlcReadsTheFieldsOfAFramedPointInTheWorld) {
+  const std::string fields = "log(p.x / 1m)\nlog(q.z / 1m)\nlog(p.rz / 1rad)\n";
+  plc = fields;
+  run(kFramedPoints, "wait 100ms\n" + fields + "wait 100ms\n");
+  ASSERT_FALSE(cell->failure()) << cell->failure()->problem.text();
+  const Pose wanted = kTable * kOnTable;
+  ASSERT_EQ(observer.lines.size(), 6u);
+  EXPECT_NEAR(std::stod(observer.lines[0]), wanted.position.x, 1e-6);
+  for (std::size_t i = 0; i < 3; ++i) EXPECT_EQ(observer.lines[i], observer.lines[3 + i]);
+}
+
+TEST_F(PointFrames, ThePlcReadsAPointOnTheRobotWhereItIsNow) {
+  plc = "wait 3s\nlog(up.z / 1m)\n";
+  run(kFramedPoints, "moveto p\nwait 5s\n");
+  ASSERT_FALSE(cell->failure()) << cell->failure()->problem.text();
+  ASSERT_EQ(observer.lines.size(), 1u);
+  const Pose there = kTable * kOnTable * Pose{{0, 0, -0.03}, {}};
+  EXPECT_NEAR(std::stod(observer.lines[0]), there.position.z, 1e-4) << observer.lines[0];
 }
 
 TEST_F(PointFrames, TheFrameOfAMoveIsNotAskedForAPointThatHasItsOwn) {
