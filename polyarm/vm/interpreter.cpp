@@ -143,9 +143,15 @@ std::uint64_t Interpreter::cycles_of(const Task& task) const {
   return task.passes;
 }
 
+/// Passes of a task that only watches or switches are no cycles beside those of tasks that move robots.
 std::uint64_t Interpreter::cycles() const {
   std::uint64_t out = 0;
-  for (const auto& task : tasks_) out = std::max(out, cycles_of(*task));
+  const auto moves = [](const auto& task) { return !task->commanded.empty(); };
+  const auto is_move = [](const Step& step) { return step.op == Op::move; };
+  const bool moved = std::any_of(tasks_.begin(), tasks_.end(), moves);
+  if (!moved && tasks_.size() > 1 && std::any_of(code_.steps.begin(), code_.steps.end(), is_move)) return 0;
+  for (const auto& task : tasks_)
+    if (!moved || moves(task)) out = std::max(out, cycles_of(*task));
   return out;
 }
 

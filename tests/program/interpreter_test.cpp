@@ -163,6 +163,28 @@ TEST(Interpreter, SaysTheLineOfTheMoveUnderWayNotOfTheOneItQueues) {
   EXPECT_EQ(lines, (std::vector<int>{1, 2, 4, 5, 6, 7}));
 }
 
+/// A task that watches makes a pass each tick.
+TEST(Interpreter, CountsTheCyclesOfTasksThatMoveNotOfThoseThatWatch) {
+  HostWithMotion host;
+  for (const char* point : {"A", "B"}) host.store.set(point, data::Point{}, "test");
+  host.store.declare_tag("Part", false);
+  Interpreter interpreter(parsed("task watcher\nwhile true\nwait 10ms\nend\nend\n"
+                                 "task belt\nwhile true\nwait 30ms\nset Part = not Part\nend\nend\n"
+                                 "task arm\nwait 50ms\nwhile true\nmovej A\nmovej B\nwait 1s\nend\nend\n"),
+                          host);
+  std::uint64_t before_it_moved = 0, waits = 0;
+  for (int tick = 0; tick < 1500; ++tick) {
+    interpreter.step(100);
+    if (host.moves.empty()) before_it_moved = std::max(before_it_moved, interpreter.overview().cycles);
+    waits = interpreter.overview().cycles;
+    host.time += 2'000'000;
+  }
+  EXPECT_EQ(before_it_moved, 0u);
+  EXPECT_EQ(waits, 2u) << "each takes 1.2 s of the 3 s";
+  for (const TaskStatus& task : interpreter.status())
+    EXPECT_TRUE(task.name != "watcher" || task.cycles > 100u) << "each task has its own count";
+}
+
 TEST(Interpreter, AProgramWithoutALoopThatHasFinishedCountsOnePass) {
   FakeHost host;
   Interpreter once(parsed("log(1)\n"), host), looped(parsed("while true\nlog(1)\nend\n"), host),
