@@ -5,6 +5,7 @@
 
 #include "polyarm/base/text.hpp"
 #include "polyarm/language/parser.hpp"
+#include "polyarm/language/words.hpp"
 
 namespace polyarm::program {
 
@@ -267,6 +268,12 @@ void parse_call(const Line& line, Statement& out) {
   out.kind = Kind::call;
   TokenCursor cursor(line.source.tokens);
   out.expression = cursor.expression();
+  if (!cursor.at_end() && out.expression->kind == Expression::Kind::call)
+    for (const Word& word : words())
+      if (word.role == WordRole::statement && word.name == out.expression->name)
+        throw SyntaxError{"unexpected", line.source.place,
+                          "'" + out.expression->name + "' is a statement, not a function",
+                          "write `" + std::string(word.form) + "`"};
   cursor.expect_end("the call");
   if (out.expression->kind != Expression::Kind::call)
     throw SyntaxError{"unexpected", line.source.place, "a value alone is not a statement",

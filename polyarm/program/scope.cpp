@@ -10,6 +10,7 @@
 #include "polyarm/language/foreign_words.hpp"
 #include "polyarm/language/libraries.hpp"
 #include "polyarm/language/text_functions.hpp"
+#include "polyarm/language/words.hpp"
 #include "polyarm/program/code.hpp"
 
 namespace polyarm::program {
@@ -415,6 +416,12 @@ Type Scope::infer_call(const Expression& e) {
       error("unknown-function", e.place, "there is no function '" + e.name + "'", foreign->instead);
       return kUnknown;
     }
+    for (const Word& word : words())
+      if (word.role == WordRole::statement && word.name == e.name) {
+        error("unknown-function", e.place, "'" + e.name + "' is a statement, not a function",
+              "write `" + std::string(word.form) + "`");
+        return kUnknown;
+      }
     std::vector<std::string> all;
     for (const Statement* each : functions) all.push_back(each->name);
     const bool has_tests = !tests(program_).empty();
