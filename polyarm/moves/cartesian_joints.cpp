@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <string>
 #include <utility>
 #include <vector>
@@ -39,6 +40,22 @@ struct Node {
   JointRates rates;
 };
 
+/// On pieces where the TCP only turns, the parameter of a path is in radians.
+bool only_turns(const paths::CartesianPath& path, std::size_t piece) {
+  const std::span<const double> ends = path.breaks();
+  const double middle = (ends[piece] + ends[piece + 1]) / 2;
+  return norm(path.on_piece(piece, middle).linear[0]) <= paths::CartesianPath::kTurning;
+}
+
+/// The way of the TCP up to the place `s`, without its turns, m.
+double metres(const paths::CartesianPath& path, double s) {
+  const std::span<const double> ends = path.breaks();
+  double out = 0;
+  for (std::size_t i = 0; i < path.pieces() && ends[i] < s; ++i)
+    if (!only_turns(path, i)) out += std::min(s, ends[i + 1]) - ends[i];
+  return out;
+}
+
 class Follower {
  public:
   Follower(const kinematics::Chain& chain, const paths::CartesianPath& path, const FollowOptions& options,
@@ -59,7 +76,26 @@ class Follower {
   }
 
  private:
-  double place(double s) const { return offset_ + s; }
+  std::size_t piece_at(double s) const {
+    std::size_t piece = 0;
+    while (piece + 1 < path_.pieces() && path_.breaks()[piece + 1] <= s) ++piece;
+    return piece;
+  }
+  bool turns_at(double s) const { return path_.pieces() > 0 && only_turns(path_, piece_at(s)); }
+  /// "0.1200 m", "67.0 deg of the turn", or both.
+  std::string place(double s) const {
+    const double way = offset_ + metres(path_, s);
+    if (!turns_at(s)) return fmt::format("{:.4f} m", way);
+    const double begin = path_.breaks()[piece_at(s)];
+    const std::string turn = fmt::format("{:.1f} deg of the turn", (s - begin) * 180 / std::numbers::pi);
+    return way > 0 ? turn + fmt::format(" after {:.4f} m", way) : turn;
+  }
+  const char* per(double s) const { return turns_at(s) ? "radian of the turn" : "metre"; }
+  /// The place, with the whole way if the TCP moves along.
+  std::string place_of_whole(double s) const {
+    const double whole = offset_ + metres(path_, path_.length());
+    return whole > 0 ? place(s) + fmt::format(" (of {:.4f} m)", whole) : place(s);
+  }
   const char* unit(std::size_t joint) const { return chain_.slides(joint) ? "m" : "rad"; }
 
   std::vector<double> start(std::span<const double> seed) {
@@ -75,8 +111,7 @@ class Follower {
     if (there && settle(arm_, q, first)) return q;
     q = nearest(first, seed);
     if (settle(arm_, q, first)) return q;
-    throw Error("singular",
-                fmt::format("the joint state at {:.4f} m, where the path begins, is singular", place(0)),
+    throw Error("singular", "the joint state at " + place(0) + ", where the path begins, is singular",
                 "begin elsewhere, or in another configuration");
   }
 
@@ -86,10 +121,9 @@ class Follower {
                        solver().solve_move(first, seed, seed, found) == ik::IkOutcome::solved;
     if (there) return {found.q.begin(), found.q.begin() + static_cast<std::ptrdiff_t>(chain_.joints())};
     const ik::IkExplanation why = solver().explain(first, seed);
-    throw Error(
-        why.outcome == ik::IkOutcome::limits ? "limit" : "unreachable",
-        fmt::format("the path cannot be reached where it begins, at {:.4f} m: {}", place(0), why.reason),
-        "move the path, or the robot's base");
+    throw Error(why.outcome == ik::IkOutcome::limits ? "limit" : "unreachable",
+                "the path cannot be reached where it begins, at " + place(0) + ": " + why.reason,
+                "move the path, or the robot's base");
   }
   const ik::InverseKinematics& solver() {
     if (!solver_) solver_ = std::make_unique<ik::InverseKinematics>(chain_);
@@ -223,11 +257,12 @@ class Follower {
 
   [[noreturn]] void throw_limit(std::size_t joint, double value, double s) const {
     const bool upper = value > chain_.upper()[joint];
-    throw Error("limit",
-                fmt::format("at {:.4f} m of the path {} reaches its {} limit of {:.4f} {}", place(s),
-                            chain_.names()[joint], upper ? "upper" : "lower",
-                            upper ? chain_.upper()[joint] : chain_.lower()[joint], unit(joint)),
-                "begin in another configuration, or a turn of that joint further back, or move the path");
+    throw Error(
+        "limit",
+        fmt::format("at {}{} {} reaches its {} limit of {:.4f} {}", place(s),
+                    turns_at(s) ? "" : " of the path", chain_.names()[joint], upper ? "upper" : "lower",
+                    upper ? chain_.upper()[joint] : chain_.lower()[joint], unit(joint)),
+        "begin in another configuration, or a turn of that joint further back, or move the path");
   }
 
   /// Throws the reason why the path cannot be followed beyond `node`.
@@ -238,41 +273,39 @@ class Follower {
       if (found.outcome == ik::IkOutcome::solved || found.outcome == ik::IkOutcome::limits) continue;
       if (arm_.columns() < 6)
         throw Error("unreachable",
-                    fmt::format("the arm's {} joints cannot follow the path at {:.4f} m (of {:.4f} m): {}",
-                                arm_.columns(), place(node.s), place(path_.length()), found.reason),
+                    fmt::format("the arm's {} joints cannot follow the path at {}: {}", arm_.columns(),
+                                place_of_whole(node.s), found.reason),
                     "with fewer than six joints not every orientation can be kept: choose one that can");
-      throw Error("unreachable",
-                  fmt::format("the path leaves the robot's reach at {:.4f} m (of {:.4f} m): {}",
-                              place(node.s), place(path_.length()), found.reason),
-                  "move the path nearer, or let the TCP turn along the way");
+      throw Error(
+          "unreachable",
+          fmt::format("the path leaves the robot's reach at {}: {}", place_of_whole(node.s), found.reason),
+          "move the path nearer, or let the TCP turn along the way");
     }
     arm_.at(node.q);
     const FastestJoint fastest = fastest_joint(arm_, path_.at(node.s));
     const double gap = kinematics::smallest_singular_value(chain_, node.q);
     if (fastest.rate > kFast || !(gap > kinematics::kSingular)) throw_singular(node, fastest, gap);
-    throw Error(
-        "branch",
-        fmt::format("the path continues at {:.4f} m only in another configuration of the arm", place(node.s)),
-        "begin in that configuration, or move there by joints");
+    throw Error("branch",
+                "the path continues at " + place(node.s) + " only in another configuration of the arm",
+                "begin in that configuration, or move there by joints");
   }
 
   [[noreturn]] void throw_singular(const Node& node, const FastestJoint& fastest, double gap) const {
     const std::size_t joint = arm_.joints()[fastest.column];
     const std::string rate = std::isfinite(fastest.rate)
-                                 ? fmt::format("by {:.3g} {} per metre", fastest.rate, unit(joint))
+                                 ? fmt::format("by {:.3g} {} per {}", fastest.rate, unit(joint), per(node.s))
                                  : std::string("without bound");
-    throw Error(
-        "singular",
-        fmt::format("the path meets a singularity at {:.4f} m: {} would turn {} there (smallest singular "
-                    "value {:.1e})",
-                    place(node.s), chain_.names()[joint], rate, gap),
-        "move the path aside, turn the TCP along the way, or move there by joints");
+    throw Error("singular",
+                fmt::format("the path meets a singularity at {}: {} would turn {} there (smallest singular "
+                            "value {:.1e})",
+                            place(node.s), chain_.names()[joint], rate, gap),
+                "move the path aside, turn the TCP along the way, or move there by joints");
   }
 
   const kinematics::Chain& chain_;
   const paths::CartesianPath& path_;
   const FollowOptions& options_;
-  double offset_;  // added to the places in errors
+  double offset_;  // m: of the sections before, in errors
   ArmDerivatives arm_;
   std::unique_ptr<ik::InverseKinematics> solver_;  // created on demand
   std::vector<double> coefficients_;               // of the piece under construction
@@ -297,7 +330,7 @@ paths::PathSections joints_along(const kinematics::Chain& chain, const paths::Ca
   double offset = 0;
   for (const paths::CartesianPath& section : path.sections) {
     auto joints = Follower(chain, section, options, offset).run(at);
-    offset += section.length();
+    offset += metres(section, section.length());
     joints->at(joints->length(), {at, {}, {}, {}});
     out.sections.push_back(std::move(joints));
   }

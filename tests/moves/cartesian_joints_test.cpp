@@ -330,6 +330,34 @@ TEST(CartesianJoints, NameTheJointThatReachesItsLimit) {
   EXPECT_EQ(code_of([&] { joints_along(ur, turn(-angle).sections[0], q); }, &text), "") << text;
 }
 
+/// Where the TCP only turns, places are angles, after the way before.
+TEST(CartesianJoints, SayWhereInATurnTheyCannotGoOn) {
+  const Chain ur = arm("universal_robots/ur5e");
+  Values q = kBent;
+  q[5] = 6.0;
+  const Pose start = ur.forward(q);
+  Pose ahead = start;
+  ahead.position = ahead.position + Vec3{0, 0, 0.05};
+  const auto reason = [&](const Pose& from, bool line_first, double angle) {
+    Pose end = from;
+    end.rotation = end.rotation * from_axis_angle({0, 0, 1}, angle);
+    CartesianPathBuilder builder(start);
+    if (line_first) builder.line(from);
+    std::string text;
+    EXPECT_EQ(code_of([&] { joints_along(ur, builder.line(end).build(), q); }, &text), "limit");
+    return text;
+  };
+  std::string text;
+  const Pose turned{start.position, start.rotation * from_axis_angle({0, 0, 1}, 1)};
+  const bool forward = code_of([&] { joints_along(ur, CartesianPathBuilder(start).line(turned).build(), q); },
+                               &text) == "limit";
+  const double angle = forward ? 1 : -1;
+  text = reason(start, false, angle);
+  EXPECT_NE(text.find("at 16.2 deg of the turn wrist_3_joint"), std::string::npos) << text;
+  text = reason(ahead, true, angle);
+  EXPECT_NE(text.find(" deg of the turn after 0.0500 m wrist_3_joint"), std::string::npos) << text;
+}
+
 /// The wrist is straight in the middle of a line that does not let it turn aside.
 TEST(CartesianJoints, TellWhichJointWouldTurnHowFastAtASingularity) {
   const Chain ur = arm("universal_robots/ur5e");
