@@ -11,6 +11,7 @@
 #include "polyarm/base/text.hpp"
 #include "polyarm/base/unit_advice.hpp"
 #include "polyarm/data/frame_chain.hpp"
+#include "polyarm/tasks/program_host.hpp"
 
 namespace polyarm::apps {
 
@@ -250,7 +251,8 @@ class Reader {
   MoveTarget named(const std::string& word) const {
     if (const data::Value* value = value_of(word)) {
       if (const data::Point* point = value->as_point()) return {in_world(*point, word), word};
-      if (const data::JointState* state = value->as_joints()) return {ordered(*state, word), word};
+      if (const data::JointState* state = value->as_joints())
+        return {cell::joints_by_name(*places_.robot.model, *state, word), word};
       refuse(word, std::string("is ") + data::name(value->kind()), "a target is a pose or a joint state");
     }
     if (word == "home") return {places_.robot.home, word};
@@ -264,23 +266,6 @@ class Reader {
     throw Error("unknown-name", "there is no place called '" + word + "'" + did_you_mean(word, known),
                 "known are " + join(known, ", ") + "; or write joints(…), pose(…), by(…)");
   }
-  std::vector<double> ordered(const data::JointState& state, const std::string& word) const {
-    std::vector<double> out;
-    for (const std::string& joint : places_.robot.chain.names()) {
-      const double* position = state.find(joint);
-      if (!position) refuse(word, "has no value for " + joint, "it must name every joint of the robot");
-      const Dimension given = state.given_at(static_cast<std::size_t>(position - state.positions.data()));
-      const bool slides = places_.robot.chain.slides(out.size());
-      if (given == (slides ? Dimension::angle : Dimension::length))
-        throw Error("joint-unit",
-                    fmt::format("{} has {} for '{}', which {}", word, polyarm::name(given), joint,
-                                slides ? "slides" : "turns"),
-                    slides ? "write a length, such as 100mm" : "write an angle, such as 30deg");
-      out.push_back(*position);
-    }
-    return out;
-  }
-
   const NamedPlaces& places_;
   const PaceWords& all_;
   Pose here_;  // TCP after the targets so far

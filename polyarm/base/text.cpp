@@ -164,7 +164,7 @@ std::string did_you_mean(std::string_view wrong, std::span<const std::string> ca
     if (const auto same = std::find(candidates.begin(), candidates.end(), latin); same != candidates.end())
       return "; did you mean '" + *same + "', in Latin letters?";
   const auto name = nearest_name(wrong, candidates);
-  return name ? "; did you mean '" + *name + "'?" : std::string{};
+  return name && *name != wrong ? "; did you mean '" + *name + "'?" : std::string{};
 }
 
 std::string join(std::span<const std::string> items, std::string_view separator) {

@@ -67,6 +67,12 @@ TEST(Text, NearestNameForgivesSmallSlips) {
   EXPECT_EQ(nearest_name("Conveyor", names), std::nullopt);
 }
 
+TEST(Text, NobodyIsAskedWhetherTheyMeantWhatTheyWrote) {
+  const std::vector<std::string> names{"mock", "mujoco"};
+  EXPECT_EQ(did_you_mean("mujoco", names), "");
+  EXPECT_EQ(did_you_mean("mujco", names), "; did you mean 'mujoco'?");
+}
+
 TEST(Text, NearestNameLooksAtTheWholeNameAndAtBeginnings) {
   const std::vector<std::string> robots{"fanuc/cr_7ia", "fanuc/lr_mate_200id_7l", "fanuc/lr_mate_200id",
                                         "universal_robots/ur5", "universal_robots/ur5e"};
