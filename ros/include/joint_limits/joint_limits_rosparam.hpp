@@ -1,6 +1,8 @@
 #pragma once
 /// Limits of joints from parameters `joint_limits.JOINT.…` of a node.
 #include <string>
+#include <type_traits>
+#include <vector>
 
 #include "joint_limits/joint_limits.hpp"
 #include "rclcpp/logging.hpp"
@@ -30,6 +32,17 @@ inline std::string prefix_of(const std::string& joint) {
 template <typename T>
 void declare_once(rclcpp::node_interfaces::NodeCore& node, const std::string& name, const T& value) {
   if (!node.has_parameter(name)) node.declare_parameter(name, rclcpp::ParameterValue(value));
+}
+/// A limit counts only if it has a value.
+inline void drop_without_value(JointLimits& limits) {
+  const auto stated = [](double value) { return value == value; };
+  limits.has_position_limits =
+      limits.has_position_limits && stated(limits.min_position) && stated(limits.max_position);
+  limits.has_velocity_limits = limits.has_velocity_limits && stated(limits.max_velocity);
+  limits.has_acceleration_limits = limits.has_acceleration_limits && stated(limits.max_acceleration);
+  limits.has_deceleration_limits = limits.has_deceleration_limits && stated(limits.max_deceleration);
+  limits.has_jerk_limits = limits.has_jerk_limits && stated(limits.max_jerk);
+  limits.has_effort_limits = limits.has_effort_limits && stated(limits.max_effort);
 }
 }  // namespace detail
 
@@ -73,14 +86,7 @@ inline bool get_joint_limits(const std::string& joint, const ParametersOfNode& p
   if (!any)
     RCLCPP_ERROR(logging->get_logger(), "No joint limits specification found for joint '%s' (parameters %s…)",
                  joint.c_str(), prefix.c_str());
-  const auto stated = [](double value) { return value == value; };
-  limits.has_position_limits =
-      limits.has_position_limits && stated(limits.min_position) && stated(limits.max_position);
-  limits.has_velocity_limits = limits.has_velocity_limits && stated(limits.max_velocity);
-  limits.has_acceleration_limits = limits.has_acceleration_limits && stated(limits.max_acceleration);
-  limits.has_deceleration_limits = limits.has_deceleration_limits && stated(limits.max_deceleration);
-  limits.has_jerk_limits = limits.has_jerk_limits && stated(limits.max_jerk);
-  limits.has_effort_limits = limits.has_effort_limits && stated(limits.max_effort);
+  detail::drop_without_value(limits);
   if (limits.has_position_limits) limits.angle_wraparound = false;
   return any;
 }
@@ -89,6 +95,52 @@ auto get_joint_limits(const std::string& joint, const NodePointer& node, JointLi
     -> decltype(node->get_node_parameters_interface(), bool()) {
   return get_joint_limits(joint, node->get_node_parameters_interface(), node->get_node_logging_interface(),
                           limits);
+}
+/// Takes over changed parameters; true if limits changed. A limit whose value is missing stays off.
+inline bool check_for_limits_update(const std::string& joint,
+                                    const std::vector<rclcpp::Parameter>& parameters,
+                                    const LoggingOfNode& logging, JointLimits& limits) {
+  const std::string prefix = detail::prefix_of(joint);
+  bool changed = false;
+  detail::each_limit(limits, [&](const char* name, auto& value) {
+    using Value = std::decay_t<decltype(value)>;
+    for (const rclcpp::Parameter& each : parameters) {
+      if (each.get_name() != prefix + name) continue;
+      try {
+        const Value next = each.get_value<Value>();
+        changed = changed || value != next;
+        value = next;
+      } catch (const std::exception& e) {
+        if (logging) RCLCPP_WARN(logging->get_logger(), "%s", e.what());
+      }
+    }
+  });
+  if (changed) detail::drop_without_value(limits);
+  return changed;
+}
+inline bool check_for_limits_update(const std::string& joint,
+                                    const std::vector<rclcpp::Parameter>& parameters,
+                                    const LoggingOfNode& logging, SoftJointLimits& limits) {
+  const std::string prefix = detail::prefix_of(joint);
+  bool changed = false;
+  try {
+    for (const rclcpp::Parameter& each : parameters)
+      if (each.get_name() == prefix + "has_soft_limits" && !each.as_bool()) return false;
+    const auto take = [&](const rclcpp::Parameter& each, const char* name, double& value) {
+      if (each.get_name() != prefix + name) return;
+      const double next = each.get_value<double>();
+      changed = changed || value != next;
+      value = next;
+    };
+    for (const rclcpp::Parameter& each : parameters) {
+      take(each, "k_position", limits.k_position), take(each, "k_velocity", limits.k_velocity);
+      take(each, "soft_lower_limit", limits.min_position),
+          take(each, "soft_upper_limit", limits.max_position);
+    }
+  } catch (const std::exception& e) {
+    if (logging) RCLCPP_WARN(logging->get_logger(), "%s", e.what());
+  }
+  return changed;
 }
 /// Soft limits of the joint; false if it states none.
 inline bool get_joint_limits(const std::string& joint, const ParametersOfNode& parameters,

@@ -27,7 +27,12 @@ class Cache : public SimpleFilter<M> {
     input_.disconnect();
     input_ = from.registerCallback([this](const EventType& event) { add(event); });
   }
-  void setCacheSize(unsigned int size) { size_ = size ? size : 1; }
+  /// Drops the oldest messages that no longer fit. 0 counts as 1.
+  void setCacheSize(unsigned int size) {
+    const std::lock_guard lock(mutex_);
+    size_ = size ? size : 1;
+    while (all_.size() > size_) all_.pop_front();
+  }
   void add(const MConstPtr& message) { add(EventType(message)); }
   void add(const EventType& event) {
     {

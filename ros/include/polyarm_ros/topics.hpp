@@ -85,6 +85,11 @@ struct Listener {
     waiting_.pop_front();
     return out;
   }
+  bool has_message() {
+    pull();
+    const std::lock_guard lock(mutex_);
+    return !waiting_.empty();
+  }
   /// Delivers what was waiting at the call, until the steady time `until` (ns; 0: all); false if nothing was.
   bool run(std::int64_t until = 0) {
     pull();

@@ -16,4 +16,5 @@
 #include "rclcpp/time.hpp"
 #include "rclcpp/utilities.hpp"
 #include "rclcpp/version.h"
+#include "rclcpp/wait_set.hpp"
 #include "rcutils/logging_macros.h"

@@ -31,6 +31,8 @@ class SubscriptionBase {
       : listener_(std::move(listener)) {}
   virtual ~SubscriptionBase() = default;
   const char* get_topic_name() const { return listener_->topic.c_str(); }
+  /// True if a message waits for the executor or for take.
+  bool has_message() const { return listener_->has_message(); }
   std::size_t get_publisher_count() const { return static_cast<std::size_t>(listener_->publishers()); }
 
  protected:

@@ -11,8 +11,10 @@
 #include <condition_variable>
 #include <cstddef>
 #include <deque>
+#include <functional>
 #include <iterator>
 #include <map>
+#include <memory>
 #include <mutex>
 #include <optional>
 #include <string>
@@ -72,7 +74,16 @@ class BufferCore {
       if (!insert(frames_[child], parent, sample, is_static)) return false;
     }
     changed_.notify_all();
+    tell();
     return true;
+  }
+  /// Calls `call` after each transform that was taken, in the thread that brought it, as long as what is
+  /// returned lives. tf2 has no such function.
+  std::shared_ptr<void> on_change(std::function<void()> call) {
+    auto kept = std::make_shared<std::function<void()>>(std::move(call));
+    const std::lock_guard lock(mutex_);
+    listeners_.push_back(kept);
+    return kept;
   }
 
   /// T_target_source at `time`; time 0 is the newest that all frames on the way have. Throws LookupException,
@@ -160,6 +171,18 @@ class BufferCore {
     std::deque<Sample> samples;  ///< oldest first; one for a static frame
   };
 
+  void tell() {
+    std::vector<std::shared_ptr<std::function<void()>>> all;
+    {
+      const std::lock_guard lock(mutex_);
+      for (auto at = listeners_.begin(); at != listeners_.end();) {
+        auto call = at->lock();
+        at = call ? at + 1 : listeners_.erase(at);
+        if (call) all.push_back(std::move(call));
+      }
+    }
+    for (const auto& call : all) (*call)();
+  }
   static std::string plain(const std::string& name) {
     return !name.empty() && name[0] == '/' ? name.substr(1) : name;
   }
@@ -251,6 +274,7 @@ class BufferCore {
   mutable std::mutex mutex_;
   mutable std::condition_variable changed_;
   std::map<std::string, Frame> frames_;
+  std::vector<std::weak_ptr<std::function<void()>>> listeners_;
 };
 
 }  // namespace tf2

@@ -1,0 +1,4 @@
+#pragma once
+namespace rclcpp {
+enum WaitResultKind { Ready, Timeout, Empty, Invalid };
+}  // namespace rclcpp
