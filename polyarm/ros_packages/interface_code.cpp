@@ -1,8 +1,10 @@
 #include "polyarm/ros_packages/interface_code.hpp"
 
 #include <cctype>
+#include <map>
 #include <set>
 #include <sstream>
+#include <utility>
 
 #include "polyarm/base/file.hpp"
 #include "polyarm/base/text.hpp"
@@ -194,6 +196,33 @@ struct Writer {
     return out;
   }
 
+  /// Names that fields had in an earlier release: each is the field itself, so the message on the wire has
+  /// the fields of today.
+  static std::string earlier_names(const Struct& made, const std::string& type) {
+    static const std::map<std::string, std::vector<std::pair<std::string, std::string>>> all{
+        {"control_msgs/msg/JointTrajectoryControllerState",
+         {{"desired", "reference"},
+          {"actual", "feedback"},
+          {"multi_dof_desired", "multi_dof_reference"},
+          {"multi_dof_actual", "multi_dof_feedback"}}}};
+    const auto found = all.find(type);
+    if (found == all.end()) return "";
+    std::string out, copies, moves;
+    for (const auto& [earlier, today] : found->second)
+      for (const Member& m : made.members)
+        if (m.name == today) out += "  " + m.type + "& " + earlier + " = " + today + ";\n";
+    for (const Member& m : made.members) {
+      if (m.constant) continue;
+      copies += " " + m.name + " = other_." + m.name + ";";
+      moves += " " + m.name + " = std::move(other_." + m.name + ");";
+    }
+    const std::string& n = made.name;
+    return out + "  " + n + "(const " + n + "& other_) { *this = other_; }\n  " + n + "(" + n +
+           "&& other_) noexcept { *this = std::move(other_); }\n  " + n + "& operator=(const " + n +
+           "& other_) {" + copies + " return *this; }\n  " + n + "& operator=(" + n +
+           "&& other_) noexcept {" + moves + " return *this; }\n";
+  }
+
   std::string code_of(const Struct& made) const {
     std::string out = "struct " + made.name + " {\n";
     for (const std::string pointer : {"SharedPtr", "ConstSharedPtr"})
@@ -214,8 +243,10 @@ struct Writer {
                    m.name + " = given_, *this; }\n";
         equal += (equal.empty() ? "" : " && ") + m.name + " == other_." + m.name;
       }
+    const std::string type = interface.package + "/" + interface.kind + "/" + made.name;
+    out += earlier_names(made, type);
     out += setters;
-    out += fields_code(made, interface.package + "/" + interface.kind + "/" + made.name);
+    out += fields_code(made, type);
     out += "  bool operator==(const " + made.name + "& " + (equal.empty() ? "" : "other_") +
            ") const { return " + (equal.empty() ? "true" : equal) + "; }\n";
     out += "  bool operator!=(const " + made.name + "& other_) const { return !(*this == other_); }\n};\n";
@@ -229,7 +260,8 @@ struct Writer {
     std::string out =
         "#pragma once\n// Made by `polyarm plugin`.\n#include <array>\n#include <cstdint>\n#include "
         "<memory>\n"
-        "#include <string>\n#include <vector>\n\n#include \"rosidl_runtime_cpp/message_initialization.hpp\"\n";
+        "#include <string>\n#include <utility>\n#include <vector>\n\n#include "
+        "\"rosidl_runtime_cpp/message_initialization.hpp\"\n";
     for (const std::string& header : includes) out += "#include \"" + header + "\"\n";
     out += "\nnamespace " + interface.package + "::" + interface.kind + " {\n\n";
     for (const Struct& made : structs) out += code_of(made) + "\n";

@@ -5,6 +5,7 @@
 #include <thread>
 
 #include "angles/angles.h"
+#include "control_msgs/msg/joint_trajectory_controller_state.hpp"
 #include "hardware_interface/handle.hpp"
 #include "hardware_interface/lexical_casts.hpp"
 #include "rclcpp/rclcpp.hpp"
@@ -201,6 +202,20 @@ TEST(Parameters, BecomeMessagesAndComeBack) {
   rcl_interfaces::msg::Parameter wrong;
   wrong.value.type = 99;
   EXPECT_THROW(Parameter::from_parameter_msg(wrong), std::runtime_error);
+}
+
+TEST(Messages, HaveTheirFieldsOfHumbleUnderBothNames) {
+  control_msgs::msg::JointTrajectoryControllerState state;
+  state.desired.positions = {1, 2};
+  state.actual.positions = {3, 4};
+  EXPECT_EQ(state.reference.positions, (std::vector<double>{1, 2}));
+  auto copy = state;
+  copy.feedback.positions = {5};
+  EXPECT_EQ(copy.actual.positions, std::vector<double>{5});
+  EXPECT_EQ(state.actual.positions, (std::vector<double>{3, 4}));
+  state = std::move(copy);
+  EXPECT_EQ(state.actual.positions, std::vector<double>{5});
+  EXPECT_EQ(state.desired.positions, (std::vector<double>{1, 2}));
 }
 
 TEST(QualityOfService, KeepsWhatIsSetOnIt) {

@@ -1,9 +1,11 @@
 /// The component that wraps a plugin of ros2_control: its numbers, its life cycle, its failures.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <limits>
 
 #include "hardware_interface/base_interface.hpp"
+#include "mock_components/generic_system.hpp"
 #include "polyarm/description/robot_model.hpp"
 #include "polyarm_ros/component.hpp"
 #include "polyarm_ros/module.hpp"
@@ -116,6 +118,25 @@ class OfFoxy : public hardware_interface::BaseInterface<hardware_interface::Syst
 };
 
 PLUGINLIB_EXPORT_CLASS(OfFoxy, hardware_interface::SystemInterface)
+
+/// The mock of ros2_control with a state more.
+class Mocked : public mock_components::GenericSystem {
+ public:
+  std::vector<hardware_interface::StateInterface::ConstSharedPtr> on_export_state_interfaces() override {
+    auto out = GenericSystem::on_export_state_interfaces();
+    out.push_back(std::make_shared<hardware_interface::StateInterface>("bench", "cycles", &cycles_));
+    return out;
+  }
+  return_type read(const rclcpp::Time& time, const rclcpp::Duration& period) override {
+    ++cycles_;
+    return GenericSystem::read(time, period);
+  }
+
+ private:
+  double cycles_ = 0;
+};
+
+PLUGINLIB_EXPORT_CLASS(Mocked, hardware_interface::SystemInterface)
 
 }  // namespace wrapped
 
@@ -269,6 +290,26 @@ TEST_F(Wrapper, RunsAPluginOfFoxy) {
   std::vector<double> states(1);
   EXPECT_EQ(component.read(cycle, states), ReturnType::ok);
   EXPECT_EQ(states[0], 3);
+}
+
+TEST_F(Wrapper, RunsAPluginThatDerivesFromTheMockOfRos) {
+  polyarm_ros::RosComponent component("any/Mocked", "wrapped::Mocked", true);
+  activate(component);
+  std::vector<std::string> names;
+  for (const auto& each : component.state_interfaces()) names.push_back(each.name);
+  const auto commanded = component.command_interfaces();
+  std::vector<double> states(names.size()), commands(commanded.size(), kNone);
+  const auto state = [&](const std::string& name) {
+    const auto at = std::find(names.begin(), names.end(), "arm/" + name);
+    return at == names.end() ? kNone : states[static_cast<std::size_t>(at - names.begin())];
+  };
+  for (std::size_t i = 0; i < commanded.size(); ++i)
+    if (commanded[i].name == "arm/a/position") commands[i] = 0.7;
+  EXPECT_EQ(component.write(cycle, commands), ReturnType::ok);
+  EXPECT_EQ(component.read(cycle, states), ReturnType::ok);
+  EXPECT_EQ(state("a/position"), 0.7) << ::testing::PrintToString(names);
+  EXPECT_EQ(state("b/position"), 0) << ::testing::PrintToString(names);
+  EXPECT_EQ(state("bench/cycles"), 1);
 }
 
 TEST_F(Wrapper, RefusesAClassThatIsNotExported) {

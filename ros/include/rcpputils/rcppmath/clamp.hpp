@@ -1,0 +1,3 @@
+#pragma once
+// rcpputils installs its folder rcppmath below its own name.
+#include "rcppmath/clamp.hpp"
