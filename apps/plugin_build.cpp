@@ -214,7 +214,7 @@ fs::path build_plugin(const Package& package, const Workspace& workspace, const 
   const auto classes = ros_packages::plugin_classes(package);
   const auto order = order_with_helpers(package, workspace, kit, problems);
   ros_packages::ModuleOptions options{build.simulated, fs::read_symlink("/proc/self/exe"),
-                                      root / "interfaces", folder / "build"};
+                                      root / "interfaces", folder / "build", root / "wrappers"};
   ros_packages::write_headers(kit.interfaces(), options.generated);
   write_file_atomically(folder / "module.cpp", ros_packages::module_code(package, classes, order, options));
   write_file_atomically(folder / "CMakeLists.txt",

@@ -411,6 +411,20 @@ struct Check {
 };
 }  // namespace
 
+bool overrides_configure(const Package& package) {
+  for (const fs::path& file : sources_of(package)) {
+    std::map<std::string, int> words;
+    Problems unread;
+    collect(unread, [&] { words = identifiers(read_file(file, kLargestSource)); });
+    const auto has = [&](const char* word) { return words.contains(word); };
+    if (has("configure") && has("start") && has("stop") && has("HardwareInfo") && !has("BaseInterface") &&
+        !has("on_init") && (has("override") || has("final")) &&
+        (has("SystemInterface") || has("ActuatorInterface") || has("SensorInterface")))
+      return true;
+  }
+  return false;
+}
+
 void check_package(const Package& package, const std::vector<Package>& all, const Kit& kit,
                    Problems& problems) {
   Check{package, all, kit, problems, {}, {}, {}, {}, {}}.run();

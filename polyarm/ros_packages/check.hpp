@@ -13,4 +13,8 @@ namespace polyarm::ros_packages {
 void check_package(const Package& package, const std::vector<Package>& all, const Kit& kit,
                    Problems& problems);
 
+/// True if a class of the package overrides configure, start and stop of the hardware interface itself, as in
+/// the first releases of ROS 2 Foxy.
+bool overrides_configure(const Package& package);
+
 }  // namespace polyarm::ros_packages

@@ -6,6 +6,7 @@
 
 #include "polyarm/base/file.hpp"
 #include "polyarm/base/installation.hpp"
+#include "polyarm/base/sha256.hpp"
 #include "polyarm/base/text.hpp"
 
 namespace polyarm::ros_packages {
@@ -76,6 +77,22 @@ void Kit::require_headers() const {
   if (!fs::exists(headers_ / "polyarm/hardware/component.hpp", error))
     throw Error("no-kit", "Polyarm's headers for plugins are not in " + headers_.string(),
                 "sudo apt install polyarm-dev; from source: cmake --install build --prefix DIR");
+}
+
+std::string Kit::key() const {
+  std::vector<fs::path> files;
+  std::error_code error;
+  for (const fs::path& folder : {folder_, headers_ / "polyarm"})
+    for (const auto& file : fs::recursive_directory_iterator(folder, error)) {
+      const std::string ending = file.path().extension().string();
+      if (ending == ".hpp" || ending == ".h" || ending == ".list") files.push_back(file.path());
+    }
+  std::sort(files.begin(), files.end());
+  std::string all;
+  for (const fs::path& file : files)
+    all += file.string() + " " + sha256(read_file(file, kLargestSource)) + "\n";
+  for (const Interface& each : interfaces_) all += header_code(each);
+  return sha256(all);
 }
 
 std::set<std::string> Kit::message_packages() const {

@@ -27,6 +27,8 @@ class Kit {
   const std::filesystem::path& headers() const { return headers_; }  ///< Polyarm's own headers for plugins
   /// Throws Error("no-kit") if these are not installed.
   void require_headers() const;
+  /// A hash of all headers that a plugin may include: those of the kit, of Polyarm, and of messages.
+  std::string key() const;
   const std::vector<Interface>& interfaces() const { return interfaces_; }
   std::set<std::string> message_packages() const;
   /// A package of packages.list or of messages.

@@ -1,8 +1,10 @@
 #include "polyarm/ros_packages/module_code.hpp"
 
+#include <algorithm>
 #include <set>
 
 #include "polyarm/base/text.hpp"
+#include "polyarm/ros_packages/check.hpp"
 
 namespace polyarm::ros_packages {
 
@@ -33,22 +35,19 @@ std::string one_line(const std::string& text) {
 std::string module_code(const Package& package, const std::vector<PluginClass>& classes,
                         const std::vector<const Package*>& order, const ModuleOptions& options) {
   std::string out, entries, described;
-  bool any_hardware = false, any_controller = false;
   int number = 0;
   for (const PluginClass& c : classes) {
     described += "  polyarm_ros::described_types()[" + literal(c.name) + "] = " + literal(c.type) + ";\n";
     if (c.is_hardware()) {
-      any_hardware = true;
       out += "polyarm::hardware::Component* make_" + std::to_string(number) +
-             "() {\n  return new polyarm_ros::RosComponent(" + literal(c.name) + ", " + literal(c.type) +
-             ", " + (options.simulated ? "true" : "false") + ");\n}\n";
+             "() {\n  return polyarm_ros::make_component(" + literal(c.name) + ", " + literal(c.type) + ", " +
+             (options.simulated ? "true" : "false") + ");\n}\n";
       entries += ",\n    {" + literal(c.name) +
                  ", polyarm::hardware::PluginKind::hardware, polyarm::hardware::kComponentLayout, &make_" +
                  std::to_string(number++) + ", nullptr, " + literal(one_line(c.description)) + "}";
     } else if (c.is_controller()) {
-      any_controller = true;
       out += "polyarm::controllers::Controller* make_" + std::to_string(number) +
-             "() {\n  return new polyarm_ros::RosController(" + literal(c.type) + ");\n}\n";
+             "() {\n  return polyarm_ros::make_controller(" + literal(c.type) + ");\n}\n";
       entries += ",\n    {" + literal(c.name) +
                  ", polyarm::hardware::PluginKind::controller, polyarm::controllers::kControllerLayout, "
                  "nullptr, &make_" +
@@ -64,9 +63,8 @@ std::string module_code(const Package& package, const std::vector<PluginClass>& 
   out += "[[maybe_unused]] const bool described = [] {\n" + described +
          "  return true;\n}();\n}  // namespace\n\n";
   const std::string begin =
-      std::string("// Made by `polyarm plugin build`.\n#include \"polyarm_ros/module.hpp\"\n") +
-      (any_hardware ? "#include \"polyarm_ros/component.hpp\"\n" : "") +
-      (any_controller ? "#include \"polyarm_ros/controller.hpp\"\n" : "") + "\nnamespace {\n";
+      "// Made by `polyarm plugin build`.\n#include \"polyarm_ros/module.hpp\"\n#include "
+      "\"polyarm_ros/wrappers.hpp\"\n\nnamespace {\n";
   return begin + out + "POLYARM_PLUGIN(" + literal(package.name) + ", " + literal(package.version) + entries + ")\n";
 }
 
@@ -82,9 +80,13 @@ std::string module_cmake(const Package& package, const std::vector<PluginClass>&
   set("POLYARM_ROS_HEADERS", kit.headers().string());
   set("POLYARM_ROS_GENERATED", options.generated.string());
   set("POLYARM_ROS_COMMAND", options.command.string());
+  set("POLYARM_ROS_KEY", kit.key());
+  set("POLYARM_ROS_SHARED", options.shared.string());
   const std::set<std::string> messages = kit.message_packages();
   set("POLYARM_ROS_MESSAGES", join(std::vector<std::string>(messages.begin(), messages.end()), ";"));
   out += "include(${POLYARM_ROS_KIT}/cmake/polyarm_ros.cmake)\n";
+  if (std::any_of(order.begin(), order.end(), [](const Package* each) { return overrides_configure(*each); }))
+    out += "add_compile_definitions(POLYARM_ROS_FOXY)\n";
   for (const Package* each : order) {
     std::vector<std::string> needed;
     for (const Dependency& d : each->dependencies)
@@ -101,6 +103,12 @@ std::string module_cmake(const Package& package, const std::vector<PluginClass>&
   for (const std::string& library : libraries)
     if (!library.empty()) out += " " + cmake_text(library);
   out += ")\n";
+  const auto wrap = [&](const char* name, bool (PluginClass::*is)() const) {
+    if (std::any_of(classes.begin(), classes.end(), [&](const PluginClass& c) { return (c.*is)(); }))
+      out += std::string("polyarm_ros_wrapper(") + name + ")\n";
+  };
+  wrap("component", &PluginClass::is_hardware);
+  wrap("controller", &PluginClass::is_controller);
   for (const Package* each : order)
     if (each != &package && !helper_classes(*each, order).empty())
       out += "polyarm_ros_whole(" + each->name + ")\n";

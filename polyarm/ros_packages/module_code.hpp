@@ -13,6 +13,7 @@ namespace polyarm::ros_packages {
 struct ModuleOptions {
   bool simulated = false;                         ///< the hardware moves nothing real
   std::filesystem::path command, generated, out;  ///< this program; structs of messages; folder of the module
+  std::filesystem::path shared;                   ///< folder of what is compiled once for all modules
 };
 
 /// The table with the hardware and the controllers of `package`. `order`: the packages that are built into

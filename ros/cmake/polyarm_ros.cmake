@@ -2,7 +2,8 @@
 # the packages in the order of their dependencies, and ends with polyarm_ros_module.
 #
 # Set before: POLYARM_ROS_KIT (this folder's parent), POLYARM_ROS_HEADERS (Polyarm's own), POLYARM_ROS_GENERATED
-# (structs of messages), POLYARM_ROS_MESSAGES (their packages), POLYARM_ROS_COMMAND (the command).
+# (structs of messages), POLYARM_ROS_MESSAGES (their packages), POLYARM_ROS_COMMAND (the command), and what
+# wrappers.cmake needs.
 set(CMAKE_POSITION_INDEPENDENT_CODE ON)
 if(NOT CMAKE_BUILD_TYPE)
   set(CMAKE_BUILD_TYPE Release)
@@ -45,6 +46,7 @@ target_link_libraries(polyarm_ros INTERFACE Threads::Threads)
 include(${CMAKE_CURRENT_LIST_DIR}/packages.cmake)
 include(${CMAKE_CURRENT_LIST_DIR}/targets.cmake)
 include(${CMAKE_CURRENT_LIST_DIR}/ament.cmake)
+include(${CMAKE_CURRENT_LIST_DIR}/wrappers.cmake)
 
 # In ROS a package also finds those that others need, so build files use versions of packages that they do not name.
 file(STRINGS ${POLYARM_ROS_KIT}/packages.list polyarm_ros_rows_ REGEX "^[a-z0-9_]+ headers")
@@ -53,9 +55,30 @@ foreach(polyarm_ros_row_ ${polyarm_ros_rows_})
   polyarm_ros_versions(${polyarm_ros_row_})
 endforeach()
 
+# A package may set policies of a newer CMake than this one; mostly it does not need them. From then on, what modules of
+# CMake set for themselves holds for the package too, because a macro can begin no block of policies.
+function(polyarm_ros_new_policies folder)
+  file(STRINGS ${folder}/CMakeLists.txt lines REGEX "^[ \t]*cmake_policy[ \t]*\\([ \t]*SET[ \t]+CMP[0-9]+")
+  foreach(line ${lines})
+    string(REGEX REPLACE ".*SET[ \t]+(CMP[0-9]+).*" "\\1" policy "${line}")
+    if(NOT POLICY ${policy} AND NOT COMMAND _cmake_policy)
+      macro(cmake_policy polyarm_ros_policy_)
+        if("${polyarm_ros_policy_}" STREQUAL "SET")
+          if(POLICY ${ARGV1})
+            _cmake_policy(SET ${ARGN})
+          endif()
+        elseif(NOT "${polyarm_ros_policy_}" MATCHES "^(PUSH|POP)$")
+          _cmake_policy(${polyarm_ros_policy_} ${ARGN})
+        endif()
+      endmacro()
+    endif()
+  endforeach()
+endfunction()
+
 # polyarm_ros_package(NAME FOLDER): builds a package of the workspace.
 function(polyarm_ros_package name folder)
   set(CMAKE_CXX_STANDARD 17)
+  polyarm_ros_new_policies(${folder})
   add_subdirectory(${folder} ${CMAKE_BINARY_DIR}/${name} EXCLUDE_FROM_ALL)
   set_property(GLOBAL PROPERTY POLYARM_ROS_FOLDER_${name} ${folder})
 endfunction()

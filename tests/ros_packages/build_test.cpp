@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <map>
 
 #include "polyarm/base/error.hpp"
 #include "tests/support/command.hpp"
@@ -123,6 +124,50 @@ TEST_F(Workshop, BuildsWhatPackagesLeaveToTheirNeighbours) {
       test::run_command({"run", (place.path() / "cell").string(), "--fast", "--json", "--seconds", "1"});
   EXPECT_EQ(done.exit_code, 0) << done.output;
   EXPECT_NE(done.output.find("the note says 1.500000 at tick 12"), std::string::npos) << done.output;
+}
+
+TEST_F(Workshop, BuildsWhatIsCommonToAllPackagesOnceAndTheInterfaceOfFoxy) {
+  const std::string early = (place.path() / "early_joint").string();
+  fs::copy(fs::path(POLYARM_SOURCE_DIR) / "tests/ros_packages/early_joint", early,
+           fs::copy_options::recursive);
+  const auto wrappers = [&] {
+    std::map<fs::path, fs::file_time_type> out;
+    for (const auto& file : fs::directory_iterator(place.path() / "cache/polyarm/plugins/wrappers"))
+      out[file.path()] = file.last_write_time();
+    return out;
+  };
+  const auto built = test::run_command({"plugin", "build", early, "--simulated"});
+  ASSERT_EQ(built.exit_code, 0) << built.output;
+  const auto first = wrappers();
+  EXPECT_EQ(first.size(), 1u);
+
+  std::string robot = read_file(package + "/robot.urdf");
+  robot.replace(robot.find("two_joints/TwoJoints"), 20, "early_joint/EarlyJoint");
+  const auto second = robot.rfind("<joint name=\"joint_2\">");
+  robot.erase(second, robot.find("</joint>", second) + 8 - second);
+  place.write("cell/cell.yaml",
+              "polyarm: cell/1\nrate: 100\nrobots: {arm: {model: robot.urdf, hardware: declared}}\n");
+  place.write("cell/robot.urdf", robot);
+  const auto done =
+      test::run_command({"run", (place.path() / "cell").string(), "--fast", "--json", "--seconds", "1"});
+  EXPECT_EQ(done.exit_code, 0) << done.output;
+  EXPECT_NE(done.output.find("joint_1 has started"), std::string::npos) << done.output;
+
+  // Another package of the same kind takes what is there.
+  const std::string other = (place.path() / "other").string();
+  fs::copy(early, other, fs::copy_options::recursive);
+  for (const char* name : {"package.xml", "CMakeLists.txt", "early_joint.xml"}) {
+    std::string text = read_file(other + "/" + name);
+    for (auto at = text.find("early_joint"); at != std::string::npos; at = text.find("early_joint", at + 11))
+      if (text.compare(at, 13, "early_joint::") != 0 && text.compare(at, 15, "early_joint.cpp") != 0 &&
+          text.compare(at, 15, "early_joint.xml") != 0)
+        text.replace(at, 11, "later_joint");
+    place.write("other/" + std::string(name), text);
+  }
+  const auto again = test::run_command({"plugin", "build", other, "--simulated"});
+  ASSERT_EQ(again.exit_code, 0) << again.output;
+  EXPECT_NE(again.output.find("later_joint/EarlyJoint"), std::string::npos) << again.output;
+  EXPECT_EQ(wrappers(), first);
 }
 
 /// True while the process exists and is no zombie.

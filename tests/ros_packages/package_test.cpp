@@ -344,10 +344,30 @@ TEST(Module, HasAnEntryForAController) {
       {"acme/Spin", "acme::Spin", "controller_interface::ChainableControllerInterface", "spins", "acme", {}},
       {"acme/Sieve", "acme::Sieve", "filters::FilterBase<double>", "", "acme", {}}};
   const std::string code = module_code(package, classes, {&package}, {});
-  EXPECT_NE(code.find("polyarm_ros/controller.hpp"), std::string::npos) << code;
-  EXPECT_EQ(code.find("polyarm_ros/component.hpp"), std::string::npos) << code;
-  EXPECT_NE(code.find("RosController(\"acme::Spin\")"), std::string::npos) << code;
+  EXPECT_NE(code.find("make_controller(\"acme::Spin\")"), std::string::npos) << code;
+  const std::string build = module_cmake(package, classes, {&package}, Kit(), {});
+  EXPECT_NE(build.find("polyarm_ros_wrapper(controller)"), std::string::npos) << build;
+  EXPECT_EQ(build.find("polyarm_ros_wrapper(component)"), std::string::npos) << build;
   EXPECT_NE(code.find("described_types()[\"acme/Sieve\"]"), std::string::npos) << code;
+}
+
+TEST(Module, KnowsWhoOverridesTheLifeCycleOfFoxy) {
+  const test::Folder place;
+  const auto foxy = [&](const std::string& code) {
+    place.write("drive/package.xml", manifest("drive"));
+    place.write("drive/src/drive.hpp", code);
+    return overrides_configure(read_package(place.path() / "drive/package.xml"));
+  };
+  const std::string body =
+      " { return_type configure(const HardwareInfo&) override; return_type start() override; return_type "
+      "stop() "
+      "override; };\n";
+  EXPECT_TRUE(foxy("class Drive : public SystemInterface" + body));
+  EXPECT_TRUE(foxy("class Drive : public hardware_interface::SensorInterface" + body));
+  EXPECT_FALSE(foxy("class Drive : public BaseInterface<SystemInterface>" + body));
+  EXPECT_FALSE(
+      foxy("class Drive : public SystemInterface { CallbackReturn on_init(const HardwareInfo&) override; "
+           "void configure(); void start(); void stop(); };\n"));
 }
 
 TEST(Module, NamesAreTextInItsCode) {

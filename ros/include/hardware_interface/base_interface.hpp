@@ -16,7 +16,7 @@ class BaseInterface : public Interface {
   virtual return_type start() { return return_type::OK; }
   virtual return_type stop() { return return_type::OK; }
   std::string get_name() const override { return this->info_.name; }
-  status get_status() const { return status_; }
+  virtual status get_status() const { return status_; }
 
   CallbackReturn on_init(const HardwareInfo& info) override {
     Interface::on_init(info);

@@ -1,9 +1,9 @@
 #pragma once
-#include "hardware_interface/hardware_component_interface.hpp"
+#include "hardware_interface/hardware_base.hpp"
 
 namespace hardware_interface {
 
-class SystemInterface : public HardwareComponentInterface {
+class SystemInterface : public HardwareBase {
  public:
   RCLCPP_SHARED_PTR_ALIASES_(SystemInterface)
 };
