@@ -13,6 +13,7 @@ namespace polyarm::ros_files::python {
 constexpr int kDeepest = 64;
 constexpr std::size_t kLongestText = 4096, kHeaviest = 10'000;
 constexpr char kUnknown = '\x01';  ///< marks an unknown part ("gap") of a text
+constexpr char kName = '\x02';     ///< before and behind the name of a gap that has one, after its kUnknown
 
 /// A text may contain gaps (kUnknown). `builder` is a MoveItConfigsBuilder: `text` is the folder of its
 /// package, `entries` are "file" and the mappings of its description.
@@ -32,7 +33,9 @@ struct Value {
   }
   static Value gap() { return of(std::string(1, kUnknown)); }
   /// A gap from an argument of the launch file that has no value.
-  static Value gap_of(const std::string& argument) { return of(kUnknown + argument + kUnknown); }
+  static Value gap_of(const std::string& argument) {
+    return of(std::string{kUnknown, kName} + argument + kName);
+  }
   static Value truth(bool yes) { return of(yes ? "true" : "false"); }
   const Value* find(const std::string& key) const {
     for (const auto& [name, value] : entries)
@@ -47,9 +50,9 @@ inline bool has_gap(const std::string& text) {
 
 /// The name in a gap from Value::gap_of; "" if there is none.
 inline std::string argument_of_gap(const std::string& text) {
-  const auto begin = text.find(kUnknown);
-  const auto end = begin == std::string::npos ? begin : text.find(kUnknown, begin + 1);
-  return end == std::string::npos ? std::string() : text.substr(begin + 1, end - begin - 1);
+  const auto begin = text.find(std::string{kUnknown, kName});
+  const auto end = begin == std::string::npos ? begin : text.find(kName, begin + 2);
+  return end == std::string::npos ? std::string() : text.substr(begin + 2, end - begin - 2);
 }
 
 /// Fills in the fields of a text such as "a {b} {{c}}"; two equal braces become one. `fill` gets the index of

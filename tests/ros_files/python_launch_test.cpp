@@ -135,6 +135,13 @@ TEST(PythonLaunch, SaysWhatIsComputedAndTakesNoneOfIt) {
   EXPECT_TRUE(read("").line().empty());
 }
 
+TEST(PythonLaunch, WhatStandsBetweenTwoComputedPartsIsNoArgument) {
+  const PythonLaunch computed = read(
+      "n = Node(package='controller_manager', parameters=[os.path.join(f(), 'config', g(), 'c.yaml')])\n");
+  EXPECT_TRUE(says(computed, "node's parameters is not written down"));
+  EXPECT_FALSE(says(computed, "comes from the argument"));
+}
+
 TEST(PythonLaunch, AConditionIsNotTaken) {
   const PythonLaunch launch = read("f = '/a.xacro' if sim else '/b.xacro'\nd = Command(['xacro ', f])\n");
   EXPECT_TRUE(launch.descriptions.empty());
