@@ -319,6 +319,21 @@ std::vector<PluginClass> plugin_classes(const Package& package) {
   return out;
 }
 
+void check_bases(const Package& package, Problems& problems) {
+  static const std::vector<std::string> known{
+      "hardware_interface::SystemInterface", "hardware_interface::ActuatorInterface",
+      "hardware_interface::SensorInterface", "controller_interface::ControllerInterface",
+      "controller_interface::ChainableControllerInterface"};
+  for (const PluginClass& each : described_classes(package)) {
+    if (each.is_hardware() || each.is_controller()) continue;
+    if (const auto meant = nearest_name(each.base, known))
+      problems.warning(
+          "bad-base", each.where,
+          "the base class '" + each.base + "' of " + each.name + " does not exist; the class is left out",
+          "write base_class_type=\"" + *meant + "\" if this is meant");
+  }
+}
+
 std::vector<PluginClass> helper_classes(const Package& package, const std::vector<const Package*>& bases) {
   std::vector<PluginClass> out = described_classes(package);
   const auto of_others = [&](const PluginClass& c) {

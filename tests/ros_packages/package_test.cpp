@@ -137,6 +137,28 @@ TEST(PluginDescription, NamesClassesTheirLibraryAndTheirBase) {
   EXPECT_TRUE(classes[0].is_hardware());
 }
 
+TEST(PluginDescription, WithAMisspelledBaseClassIsNamed) {
+  const test::Folder place;
+  const auto warnings = [&](const std::string& base) {
+    std::string text = kPlugin;
+    const std::string written = "hardware_interface::SystemInterface";
+    text.replace(text.find(written), written.size(), base);
+    place.write("package.xml", manifest("acme"));
+    place.write("acme.xml", text);
+    Problems problems;
+    check_bases(read_package(place.path() / "package.xml"), problems);
+    return problems.list();
+  };
+  ASSERT_EQ(warnings("controller_iAnterface::ControllerInterface").size(), 1u);
+  const Problem problem = warnings("hardware_interface::SystemInterfaces").front();
+  EXPECT_EQ(problem.where.line, 1);
+  EXPECT_NE(problem.what.find("'hardware_interface::SystemInterfaces' of acme/Drive"), std::string::npos);
+  EXPECT_NE(problem.advice.find("\"hardware_interface::SystemInterface\""), std::string::npos);
+  EXPECT_TRUE(warnings("hardware_interface::SystemInterface").empty());
+  EXPECT_TRUE(warnings("filters::FilterBase&lt;double&gt;").empty());
+  EXPECT_TRUE(warnings("acme::Driver").empty());
+}
+
 TEST(Interfaces, AreNamedAsRosNamesTheirFiles) {
   EXPECT_EQ(header_name("Float64MultiArray"), "float64_multi_array");
   EXPECT_EQ(header_name("UInt32"), "u_int32");
