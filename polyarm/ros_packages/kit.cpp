@@ -85,7 +85,9 @@ std::string Kit::key() const {
   for (const fs::path& folder : {folder_, headers_ / "polyarm"})
     for (const auto& file : fs::recursive_directory_iterator(folder, error)) {
       const std::string ending = file.path().extension().string();
-      if (ending == ".hpp" || ending == ".h" || ending == ".list") files.push_back(file.path());
+      if (ending == ".hpp" || ending == ".h" || ending == ".list" ||
+          file.path().parent_path().filename() == "wrappers")
+        files.push_back(file.path());
     }
   std::sort(files.begin(), files.end());
   std::string all;

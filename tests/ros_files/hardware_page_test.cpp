@@ -28,6 +28,16 @@ std::map<std::string, std::string> rows_of_the_page() {
   return out;
 }
 
+TEST(Hardware, OfAnotherNameIsSuggestedOnlyIfItMayBeMeant) {
+  const auto suggests = [](const std::string& plugin) {
+    return choose_hardware(plugin, "block").note.find("did you mean") != std::string::npos;
+  };
+  EXPECT_TRUE(suggests("gz_ros2_control/GazeboSimSytem"));
+  EXPECT_TRUE(suggests("gz_ros2_contrl/GazeboSimSystem"));
+  EXPECT_TRUE(suggests("gz_ros2_control::GazeboSimSystem"));
+  EXPECT_FALSE(suggests("go_ros2_control/GoSimSystem"));  // another robot's
+}
+
 TEST(HardwarePage, ListsThePluginsThatAreKnownAndWhatPlaysThem) {
   const auto rows = rows_of_the_page();
   EXPECT_EQ(rows.size(), hardware_aliases().size());
