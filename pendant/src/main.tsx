@@ -1,13 +1,16 @@
+import { effect } from '@preact/signals';
 import { render } from 'preact';
 import './style/tokens.css';
 import './style/base.css';
 import './style/controls.css';
 import './style/shell.css';
+import { tablesLoaded } from './i18n/told';
+import { languageLoaded } from './i18n';
 import { App } from './shell/App';
 import { startDrops } from './shell/drops';
 import { startKeys } from './shell/keys';
 import { pageId } from './shell/route';
-import { connect } from './state/cell';
+import { connect, connected } from './state/cell';
 import { startTheme } from './state/settings';
 
 startTheme();
@@ -16,4 +19,10 @@ startDrops();
 connect();
 // The 3D picture is a large chunk: it is loaded in parallel with the page that shows it.
 if (['run', 'move'].includes(pageId.peek())) import('./view3d/picture').catch(() => undefined);
-render(<App />, document.getElementById('app')!);
+// The first picture is in the user's language; in English if its table cannot be had, until there is a connection.
+void languageLoaded()
+  .catch(() => undefined)
+  .then(() => render(<App />, document.getElementById('app')!));
+effect(() => {
+  if (connected.value) void tablesLoaded().catch(() => undefined);
+});

@@ -2,13 +2,15 @@
 import { describe, expect, it, vi } from 'vitest';
 
 vi.stubGlobal('navigator', { language: 'en', userAgent: '' });
-const { t } = await import('../src/i18n');
+const { languageLoaded, t } = await import('../src/i18n');
 const { en } = await import('../src/i18n/en');
 const { es } = await import('../src/i18n/es');
 const { settings } = await import('../src/state/settings');
 
 describe('a number in a text', () => {
-  it('has its word in one and in many', () => {
+  it('has its word in one and in many', async () => {
+    settings.language.value = 'es';
+    await languageLoaded();
     const said = (count: number) => ['en', 'es'].map((language) => ((settings.language.value = language as 'en' | 'es'), t('move.queued', { count })));
     expect(said(1)).toEqual(['1 step to go', 'falta 1 paso']);
     expect(said(3)).toEqual(['3 steps to go', 'faltan 3 pasos']);

@@ -1,26 +1,44 @@
-/** One table per language, in parts by page. The type checker rejects a language with a missing key. */
-import { computed } from '@preact/signals';
+/**
+ * One table per language, in parts by page. The type checker rejects a language with a missing key. English is part of the
+ * page; the other tables are loaded when their language is chosen.
+ */
+import { computed, effect, signal } from '@preact/signals';
 import { settings } from '../state/settings';
 import { en } from './en';
-import { es } from './es';
 
 export type Key = keyof typeof en;
-const tables: Record<string, Record<Key, string>> = { en, es };
+type Table = Record<Key, string>;
+const kLoads = { es: () => import('./es').then(({ es }): Table => es) };
+const loaded = signal<{ es?: Table }>({});
 
 export const languages = [
   { id: 'en', name: 'English' },
   { id: 'es', name: 'Español' },
 ] as const;
 
-export const language = computed<'en' | 'es'>(() => {
+/** What the user or the browser wants. */
+const wanted = computed<'en' | 'es'>(() => {
   const chosen = settings.language.value;
   if (chosen !== 'auto') return chosen;
   return navigator.language?.toLowerCase().startsWith('es') ? 'es' : 'en';
 });
 
+/** The language of the page: the wanted one once its table is there, until then English. */
+export const language = computed<'en' | 'es'>(() => (wanted.value === 'es' && loaded.value.es ? 'es' : 'en'));
+
+/** Loads the table of the wanted language, if the page lacks it. */
+export async function languageLoaded(): Promise<void> {
+  const id = wanted.value;
+  if (id === 'en' || loaded.peek()[id]) return;
+  const table = await kLoads[id]();
+  loaded.value = { ...loaded.peek(), [id]: table };
+}
+effect(() => void languageLoaded().catch(() => undefined));
+
 /** The text of `key`, with {names} filled in. `{count:step|steps}` is the first word if `count` is 1, else the second. */
 export function t(key: Key, values: Record<string, string | number> = {}): string {
-  const text = tables[language.value]?.[key] ?? en[key];
+  const now = language.value;
+  const text = (now === 'en' ? en : loaded.value[now]!)[key] ?? en[key];
   return text.replace(/\{(\w+):([^{}|]*)\|([^{}|]*)\}/g, (_, name: string, one: string, more: string) => (Number(values[name]) === 1 ? one : more)).replace(/\{(\w+)\}/g, (whole, name: string) => (name in values ? String(values[name]) : whole));
 }
 

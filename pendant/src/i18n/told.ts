@@ -3,7 +3,7 @@
  * without advice to type commands. If a code has no text, the cell's own words are shown.
  */
 import { effect, signal } from '@preact/signals';
-import {type Key, language, number, t, word} from '.';
+import {type Key, language, languageLoaded, number, t, word} from '.';
 import {jointText} from '../ui/format';
 import { deviceWords } from './device';
 import { en } from './en';
@@ -44,8 +44,13 @@ const known = (key: string): key is Key => key in en;
 
 /** The tables for sentences of programs and files. Only Spanish has them, and loads them when it is chosen. */
 const tables = signal<typeof import('./es/match')|null>(null);
-export const tablesLoaded = () => (language.value === 'es' ? import('./es/match').then((loaded) => void (tables.value = loaded)) : Promise.resolve());
-effect(() => void tablesLoaded().catch(() => undefined));
+export async function tablesLoaded(): Promise<void> {
+  await languageLoaded();
+  if (language.value === 'es' && !tables.peek()) tables.value = await import('./es/match');
+}
+effect(() => {
+  if (language.value === 'es') void tablesLoaded().catch(() => undefined);
+});
 const translated = () => (language.value === 'es' ? tables.value : null);
 
 // --- values
