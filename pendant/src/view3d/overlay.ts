@@ -1,6 +1,7 @@
 /** Objects that pages add to the picture: named points, paths and problems of a dry run. */
 import * as THREE from 'three';
 import type { DryPath, DryProblem, NamedPose } from '../state/preview';
+import { standing } from './labels';
 import { axes, place } from './shapes';
 
 const kChosen = 0xffb020;
@@ -59,7 +60,7 @@ export function empty(group: THREE.Group): void {
   group.clear();
 }
 
-/** A text that always faces the camera and has the same size on the screen at every distance. */
+/** A text that always faces the camera, has the same size on the screen at every distance, and stays inside the view. */
 export function label(text: string, strong: boolean, color = strong ? `#${kChosen.toString(16)}` : '#ffffff'): THREE.Sprite {
   const canvas = document.createElement('canvas');
   const pen = canvas.getContext('2d')!;
@@ -78,9 +79,22 @@ export function label(text: string, strong: boolean, color = strong ? `#${kChose
   const map = new THREE.CanvasTexture(canvas);
   map.colorSpace = THREE.SRGBColorSpace;
   const sprite = new THREE.Sprite(new THREE.SpriteMaterial({ map, depthTest: false, sizeAttenuation: false }));
-  const height = 0.028;
-  sprite.scale.set((height * canvas.width) / canvas.height, height, 1);
-  sprite.center.set(-0.08, -0.25);
+  sprite.scale.set((0.028 * canvas.width) / canvas.height, 0.028, 1);
   sprite.renderOrder = 6;
+  sprite.onBeforeRender = (renderer, _, camera) => stand(sprite, canvas.width / canvas.height, renderer, camera);
   return sprite;
+}
+
+const kSize = new THREE.Vector2();
+const kAt = new THREE.Vector3();
+
+/** Size and place of a label for the view that is drawn now. */
+function stand(sprite: THREE.Sprite, aspect: number, renderer: THREE.WebGLRenderer, camera: THREE.Camera): void {
+  const view = renderer.getSize(kSize);
+  const at = kAt.setFromMatrixPosition(sprite.matrixWorld).project(camera);
+  const { width, height, center } = standing([((at.x + 1) * view.x) / 2, ((at.y + 1) * view.y) / 2], aspect, [view.x, view.y]);
+  const [across, , , , , up] = camera.projectionMatrix.elements as unknown as number[];
+  sprite.center.set(...center);
+  sprite.scale.set((2 * width) / (view.x * across!), (2 * height) / (view.y * up!), 1);
+  sprite.updateMatrixWorld();
 }
