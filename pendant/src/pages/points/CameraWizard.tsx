@@ -15,7 +15,7 @@ import { Icon } from '../../ui/Icon';
 import type { PointsCameraAnswer } from '../../wire/requests';
 import { freeName } from '../program/edits';
 import { at } from './FrameWizard';
-import { MoveButton, sightings, waiting } from './teaching';
+import { MoveButton, sightings, waiting, Whose } from './teaching';
 
 const kLeast = 3;
 /** s; a marker that has not changed for longer may be the one of an earlier pose. */
@@ -56,8 +56,8 @@ export function CameraWizard({ onClose }: { onClose: () => void }) {
   const exists = values.value.some((each) => each.name === name);
   const nameProblem = name !== '' && !goodName(name) ? t('points.badName') : exists ? t('points.exists') : '';
   const save = async () => {
-    onClose();
     if (!(await changePoints('points.camera', args))) return;
+    onClose();
     [sightings.value, waiting.value] = [[], null];
     toast({ kind: 'ok', text: t('points.cSaved', { name }) });
   };
@@ -74,6 +74,7 @@ export function CameraWizard({ onClose }: { onClose: () => void }) {
         </>
       }
     >
+      <Whose />
       <p>{t('points.cText')}</p>
       <Segmented
         label={t('points.cPlace')}

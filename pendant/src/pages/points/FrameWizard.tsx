@@ -15,7 +15,7 @@ import type { Pose, Vec3 } from '../../wire/types';
 import { freeName } from '../program/edits';
 import { PoseTable } from './Detail';
 import './points.css';
-import { kNoTouches, MoveButton, touches, waiting } from './teaching';
+import { kNoTouches, MoveButton, touches, waiting, Whose } from './teaching';
 
 interface Answer {
   pose: Pose;
@@ -37,15 +37,22 @@ export function FrameWizard({ onClose }: { onClose: () => void }) {
     setAnswer(null);
     setProblem('');
     if (!whole) return;
-    request('points.frame', { ...args, dry: true }).then(setAnswer, (error: Error) => setProblem(problemLine(problemOf(error))));
+    let current = true; // an answer for earlier places must not replace the newest one
+    request('points.frame', { ...args, dry: true }).then(
+      (found) => current && setAnswer(found),
+      (error: Error) => current && setProblem(problemLine(problemOf(error))),
+    );
+    return () => {
+      current = false;
+    };
   }, [touched]);
   const touch = (i: number) =>
     request('points.here', { robot: robot.value?.name ?? '' }).then((here) => (touches.value = touches.value.map((old, k) => (k === i ? here.tcp.p : old))), complain);
   const taken = values.value.some((each) => each.name === name);
   const nameProblem = name !== '' && !goodName(name) ? t('points.badName') : taken ? t('points.exists') : '';
   const save = async () => {
-    onClose();
     if (!(await changePoints('points.frame', args))) return;
+    onClose();
     [touches.value, waiting.value] = [kNoTouches, null];
     toast({ kind: 'ok', text: t('points.fSaved', { name }) });
   };
@@ -61,6 +68,7 @@ export function FrameWizard({ onClose }: { onClose: () => void }) {
         </>
       }
     >
+      <Whose />
       <p>{t('points.fText')}</p>
       <ol class="points-wizard">
         {kSteps.map((step, i) => (

@@ -15,7 +15,7 @@ import { Icon } from '../../ui/Icon';
 import type { PointsToolAnswer } from '../../wire/requests';
 import { freeName } from '../program/edits';
 import { at } from './FrameWizard';
-import { MoveButton, toolPoses, waiting } from './teaching';
+import { MoveButton, toolPoses, waiting, Whose } from './teaching';
 
 const kLeast = 4;
 /** m; above this error the poses did not touch the same place. */
@@ -30,14 +30,21 @@ export function ToolWizard({ onClose }: { onClose: () => void }) {
     setAnswer(null);
     setProblem('');
     if (poses.length < kLeast) return;
-    request('points.tool', { name, poses, dry: true }).then(setAnswer, (error: Error) => setProblem(problemLine(problemOf(error))));
+    let current = true; // an answer for earlier poses must not replace the newest one
+    request('points.tool', { name, poses, dry: true }).then(
+      (found) => current && setAnswer(found),
+      (error: Error) => current && setProblem(problemLine(problemOf(error))),
+    );
+    return () => {
+      current = false;
+    };
   }, [poses]);
   const touch = () => request('points.here', { robot: robot.value?.name ?? '' }).then((here) => (toolPoses.value = [...toolPoses.value, here.flange]), complain);
   const taken = values.value.some((each) => each.name === name);
   const nameProblem = name !== '' && !goodName(name) ? t('points.badName') : taken ? t('points.exists') : '';
   const save = async () => {
-    onClose();
     if (!(await changePoints('points.tool', { name, poses }))) return;
+    onClose();
     [toolPoses.value, waiting.value] = [[], null];
     toast({ kind: 'ok', text: t('points.tSaved', { name }) });
   };
@@ -55,6 +62,7 @@ export function ToolWizard({ onClose }: { onClose: () => void }) {
         </>
       }
     >
+      <Whose />
       <p>{t('points.tText')}</p>
       <ol class="points-wizard">
         {Array.from({ length: rows }, (_, i) => {

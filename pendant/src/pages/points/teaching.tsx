@@ -1,23 +1,39 @@
 /**
  * The points that the wizards have recorded so far. They are kept while the user moves the robot on the Move
- * page, which leads back to the wizard.
+ * page, which leads back to the wizard. Each robot has its own: samples of two robots make no tool and no camera.
  */
 import { signal } from '@preact/signals';
 import { t } from '../../i18n';
+import { WatchOnly } from '../../shell/Control';
 import { go } from '../../shell/route';
+import { cell, robot, robotName } from '../../state/cell';
 import { close, open } from '../../ui/ask';
-import { Button } from '../../ui/controls';
+import { Button, Segmented } from '../../ui/controls';
 import { Icon } from '../../ui/Icon';
 import type { Pose, Vec3 } from '../../wire/types';
+import { ofRobot } from './samples';
 
 export const kNoTouches: (Vec3 | null)[] = [null, null, null];
-export const touches = signal(kNoTouches);
-export const toolPoses = signal<Pose[]>([]);
+export const touches = ofRobot(kNoTouches);
+export const toolPoses = ofRobot<Pose[]>([]);
 export interface Sighting {
   flange: Pose;
   marker: Pose;
 }
-export const sightings = signal<Sighting[]>([]);
+export const sightings = ofRobot<Sighting[]>([]);
+/** What a wizard says first: why nothing can be saved, and with several robots whose places it takes. */
+export function Whose() {
+  const robots = cell.value?.robots ?? [];
+  return (
+    <>
+      <WatchOnly needs="program" />
+      {robots.length > 1 && (
+        <Segmented label={t('move.robot')} value={robot.value?.name ?? ''} options={robots.map((each) => ({ id: each.name, name: each.name }))} onChange={(name) => (robotName.value = name)} />
+      )}
+    </>
+  );
+}
+
 /** The wizard that waits while the user moves the robot. */
 type Kind = 'frame' | 'tool' | 'camera';
 export const waiting = signal<Kind | null>(null);

@@ -1,0 +1,25 @@
+// What the wizards have recorded belongs to one robot of one cell.
+import { expect, it, vi } from 'vitest';
+
+vi.stubGlobal('navigator', { language: 'en', userAgent: '' });
+const { cell, robotName } = await import('../src/state/cell');
+const { ofRobot } = await import('../src/pages/points/samples');
+
+const open = (folder: string, ...robots: [string, string][]) => (cell.value = { folder, robots: robots.map(([name, id]) => ({ name, id })) } as unknown as typeof cell.value);
+
+it('does not mix the samples of two robots, nor those of two cells', () => {
+  const poses = ofRobot<number[]>([]);
+  open('/cells/a', ['left', 'ur/ur5e'], ['right', 'fanuc/lrmate']);
+  poses.value = [1, 2];
+  robotName.value = 'right';
+  expect(poses.value).toEqual([]);
+  poses.value = [3];
+  robotName.value = 'left';
+  expect(poses.value).toEqual([1, 2]);
+  open('/cells/b', ['left', 'ur/ur5e']);
+  expect(poses.value).toEqual([]);
+  open('/cells/a', ['left', 'ur/ur10e'], ['right', 'fanuc/lrmate']);
+  expect(poses.value).toEqual([]);
+  open('/cells/a', ['left', 'ur/ur5e']);
+  expect(poses.value).toEqual([1, 2]);
+});
