@@ -1,7 +1,7 @@
 import { describe, expect, it, vi } from 'vitest';
 
 vi.stubGlobal('navigator', { language: 'en', userAgent: '' });
-const { contactWords } = await import('../src/shell/contact');
+const { contactWords, robotsInContact } = await import('../src/shell/contact');
 
 const touch = (b: string, now: boolean, depth = 0.0021) => ({ a: 'arm/wrist_3_link', b, depth, at: null, now, text: '' });
 const contacts = (...list: ReturnType<typeof touch>[]) => ({ checked: true, touching: list.some((each) => each.now), unchecked: [], list });
@@ -21,5 +21,13 @@ describe('a stop after a contact', () => {
   it('is of the contact again once that is newer', () => {
     expect(contactWords(contacts(touch('tray', false)), [torque, hit])).toEqual({ text: 'arm/wrist_3_link and tray, 2.1 mm deep', felt: false });
     expect(contactWords(contacts(touch('tray', true)), [torque]).felt).toBe(false);
+  });
+  it('is of the robots whose links or parts touch, and of no other', () => {
+    const of = (a: string, b: string, now = true) => ({ ...contacts(), list: [{ ...touch(b, now), a }] });
+    const names = ['left', 'left2', 'right'];
+    expect(robotsInContact(of('left2/tool', 'fixture table'), [], names)).toEqual(['left2']);
+    expect(robotsInContact(of('the part held by right', 'left/forearm_link', false), [hit], names)).toEqual(['left', 'right']);
+    const pushed = alarm('collision-torque', { joint: 'right/elbow_joint', torque: '52.3 Nm' });
+    expect(robotsInContact(of('left/tool', 'fixture table', false), [hit, pushed], names)).toEqual(['right']);
   });
 });

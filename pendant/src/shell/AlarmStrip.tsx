@@ -2,7 +2,7 @@
 import { effect } from '@preact/signals';
 import { type Key, t } from '../i18n';
 import { forwardRobots, problemWords } from '../i18n/told';
-import { alarms, cell, connected, markSeen, mayMove, pausing, status, ways } from '../state/cell';
+import { alarms, cell, connected, markSeen, mayMove, pausing, robot, robotName, status, ways } from '../state/cell';
 import { back, discard, recover, resume } from '../state/actions';
 import { canBe, waysOf } from '../state/ways';
 import { open } from '../ui/ask';
@@ -10,7 +10,7 @@ import { Button } from '../ui/controls';
 import { placeIn } from '../ui/format';
 import { Icon } from '../ui/Icon';
 import { Alarms } from './Alarms';
-import { contactWords, kContactCodes } from './contact';
+import { contactWords, kContactCodes, robotsInContact } from './contact';
 import { go, pageId } from './route';
 
 /** Alarms of a hold that are over when the cell runs again. */
@@ -84,8 +84,17 @@ function WayBack() {
   const { next, nextBlocked, discard: forget, back: backwards } = waysOf({ status: now, mayMove: true, pausing: pausing.value });
   const held = now.state === 'held';
   const may = mayMove.value;
-  /** Nobody jogs any of its robots here. */
-  const forward = forwardRobots.value.all;
+  const names = (cell.value?.robots ?? []).map((each) => each.name);
+  const touching = robotsInContact(now.contacts, alarms.value, names);
+  const others = forwardRobots.value;
+  /** Nobody jogs any of these robots here. */
+  const forward = others.all || (touching.length > 0 && touching.every((name) => others.names.includes(name)));
+  /** The page Move shows a robot that touches something and that can be jogged. */
+  const jogAway = () => {
+    const able = touching.filter((name) => !others.names.includes(name));
+    if (able[0] && !able.includes(robot.value?.name ?? '')) robotName.value = able[0];
+    go('move');
+  };
   const { text, felt } = contactWords(now.contacts, alarms.value);
   const steps: Key[] = [
     now.state === 'fault'
@@ -117,7 +126,7 @@ function WayBack() {
         {next === 'recover' && <Button label={t('bar.recover')} icon="undo" tone="warn" disabled={!may || !canBe(nextBlocked)} onClick={() => void recover()} />}
         {forget !== null && canBe(forget) && <Button label={t('bar.discard')} tone={now.motionLeft && !now.contacts.touching ? 'primary' : undefined} disabled={!may} onClick={() => void discard()} />}
         {held && canBe(backwards) && <Button label={t('contact.back')} icon="undo" disabled={!may} onClick={() => void back()} />}
-        {held && !forward && pageId.value !== 'move' && <Button label={t('contact.jog')} icon="move" onClick={() => go('move')} />}
+        {held && !forward && (pageId.value !== 'move' || (names.length > 1 && touching.length > 0 && !touching.includes(robot.value?.name ?? ''))) && <Button label={t('contact.jog')} icon="move" onClick={jogAway} />}
         {next === 'resume' && canBe(nextBlocked) && !now.contacts.touching && <Button label={t('bar.resume')} icon="run" tone={now.motionLeft ? undefined : 'good'} disabled={!may} onClick={() => void resume()} />}
       </div>
     </section>

@@ -28,3 +28,13 @@ export function contactWords(contacts: Contacts, alarms: readonly Alarm[]): Cont
   const pairs = shown.map((each) => t('contact.pair', { a: bodyWords(each.a), b: bodyWords(each.b), mm: depthWords(each.depth) }));
   return { text: pairs.join(' · ') || (last ? problemWords(last).text : ''), felt };
 }
+
+/** The robots that touch something now, of those with these `names`; else those of the last contact. */
+export function robotsInContact(contacts: Contacts, alarms: readonly Alarm[], names: readonly string[]): string[] {
+  const last = alarms.filter((each) => kContactCodes.has(each.code)).pop();
+  const now = contacts.list.filter((each) => each.now);
+  const felt = last?.code === 'collision-torque' && now.length === 0;
+  const touches = felt ? [] : now.length ? now : contacts.list.slice(-1);
+  const bodies = felt ? [String(last!.facts?.joint ?? '')] : touches.flatMap((each) => [each.a, each.b]);
+  return names.filter((name) => bodies.some((body) => body.startsWith(`${name}/`) || body === `the part held by ${name}`));
+}
