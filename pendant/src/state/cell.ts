@@ -172,8 +172,15 @@ const settled = signal(false);
 /** True if this page had control when the connection was last open. */
 let heldBefore = false;
 effect(() => {
-  if (settled.value && status.value !== null) heldBefore = youHold.value;
+  if (settled.value && status.value !== null) heldBefore = youHold.value || waitsForControl();
 });
+/**
+ * After a reconnection: until then (performance.now()) this page takes the control that it had, once the cell has noticed
+ * that the old connection is gone.
+ */
+let takesUntil = 0;
+const kTakesWithinMs = 30_000;
+const waitsForControl = () => performance.now() < takesUntil;
 
 async function greet(): Promise<void> {
   const again = greeted, hadControl = heldBefore;  // copies, because answers and events change both
@@ -189,7 +196,9 @@ async function greet(): Promise<void> {
     greeted = true;
     // A page takes control when it opens if no client has it; otherwise it only watches. After a lost
     // connection the page that had control takes it again, and the others only watch.
-    if (!holder.value && mayTake.value && settings.takeWhenFree.value && (!again || hadControl)) await takeControl(false);
+    const takes = mayTake.value && settings.takeWhenFree.value && (!again || hadControl);
+    if (takes && !holder.value) await takeControl(false);
+    takesUntil = takes && again && !youHold.value ? performance.now() + kTakesWithinMs : 0;
     settled.value = true;
   } catch (error) {
     if (isLate(error)) return greet();
@@ -276,6 +285,10 @@ const events: Record<string, (event: Event) => void> = {
       waiting.value = null;
     else
       asked.value = null;
+    if (!next.holder && waitsForControl()) {
+      takesUntil = 0;
+      void takeControl(false);
+    }
     if (lastOld < 0) lastOld = Number(e.alarms ?? 0);
     if (!next.program || next.program.ended || next.program.paused) pausing.value = false;
   },
@@ -325,6 +338,7 @@ const events: Record<string, (event: Event) => void> = {
     youHold.value = e.you_hold === true;
     asked.value = null;
     waiting.value = null;
+    if (what === 'taken' || what === 'given') takesUntil = 0;
     if (youHold.value && what === 'given')
       toast({kind: 'ok', text: t('control.yours')});
     else if (what === 'refused')
