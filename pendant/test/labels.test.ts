@@ -24,6 +24,12 @@ it('does not leave the view at its edges', () => {
       }
 });
 
+it('is not hidden behind the keys in the corner', () => {
+  const [, right] = edges([380, 200], 8);
+  expect(right).toBeLessThanOrEqual(kView[0] - 60);
+  expect(edges([380, 40], 8)[1]).toBeGreaterThan(kView[0] - 60);
+});
+
 it('is smaller only where it would be wider than the view', () => {
   expect(standing([100, 100], 8, kView).height).toBe(standing([100, 100], 8, [1280, 800]).height);
   expect(standing([100, 100], 60, kView).height).toBeLessThan(standing([100, 100], 8, kView).height);

@@ -3,7 +3,7 @@
  */
 import { useEffect, useRef } from 'preact/hooks';
 import { t } from '../i18n';
-import { cell, parts } from '../state/cell';
+import { cell, parts, robot as shown } from '../state/cell';
 import { beat } from '../state/live';
 import { baseNow, chains, jointValues, scene } from '../state/models';
 import { darkNow } from '../state/settings';
@@ -24,7 +24,7 @@ export function FlatView() {
   const canvas = useRef<HTMLCanvasElement>(null);
   // Renders again with the beat and with the other signals that it reads.
   beat.value;
-  const now = [cell.value, chains.value, scene.value, parts.value, darkNow.value];
+  const now = [cell.value, chains.value, scene.value, parts.value, darkNow.value, shown.value];
   useEffect(() => {
     if (canvas.current) draw(canvas.current);
   });
@@ -67,25 +67,29 @@ function drawSide(pen: CanvasRenderingContext2D, side: Side, width: number, heig
   };
   pen.fillStyle = color('--muted');
   pen.font = '13px system-ui';
-  pen.fillText(t(side.label), 12, 22);
+  pen.fillText(t(side.label), 12, height - 36);  // above the note, below the keys of a page
   pen.strokeStyle = color('--line-strong');
   pen.lineWidth = 1;
   for (const edges of boxes()) line(edges, true);
-  pen.strokeStyle = color('--accent');
   pen.lineWidth = 6;
   pen.lineCap = pen.lineJoin = 'round';
-  for (const [a, b] of sticks) line([a, b]);
+  for (const { robot, segments } of sticks) {
+    pen.strokeStyle = color(robot === shown.peek()?.name ? '--accent' : '--muted');
+    for (const [a, b] of segments) line([a, b]);
+    if (sticks.length > 1 && segments[0]) pen.fillText(robot, x(segments[0][0]) + 10, y(segments[0][0]) + 16);
+  }
 }
 
-function robots(): [Vec3, Vec3][] {
-  const out: [Vec3, Vec3][] = [];
+/** Each robot as lines from joint to joint. */
+function robots(): { robot: string; segments: [Vec3, Vec3][] }[] {
+  const out: { robot: string; segments: [Vec3, Vec3][] }[] = [];
   for (const info of cell.peek()?.robots ?? []) {
     const chain = chains.peek()[info.name];
     if (!chain) continue;
     const solved = chain.solve(jointValues(info.name));
     const base = baseNow(info.name) ?? info.base;
     const inWorld = (p: Vec3) => compose(base, { p, q: kIdentity }).p;
-    for (const [a, b] of chain.segments(solved)) out.push([inWorld(a), inWorld(b)]);
+    out.push({ robot: info.name, segments: chain.segments(solved).map(([a, b]): [Vec3, Vec3] => [inWorld(a), inWorld(b)]) });
   }
   return out;
 }

@@ -3,6 +3,8 @@
 /** px: how high labels are in every view, and the distance that they keep from its edges. */
 const kHeight = 20;
 const kMargin = 4;
+/** px: the keys of the picture in its upper right corner. */
+const kKeys = [60, 164] as const;
 /** Beside and above its place, in widths and heights of the label. */
 const kAside = 0.08;
 const kAbove = 0.25;
@@ -20,10 +22,12 @@ export function standing(at: readonly [number, number], aspect: number, view: re
   const width = Math.max(1, Math.min(aspect * kHeight, view[0] - 2 * kMargin));
   const height = width / aspect;
   const inside = at.every((each, i) => each >= 0 && each <= view[i]!);
-  const along = (i: 0 | 1, size: number, away: number) => {
+  const low = (i: 0 | 1, size: number, away: number, end: number) => {
     const wanted = at[i] + away * size;
-    const low = inside ? Math.max(kMargin, Math.min(wanted, view[i] - kMargin - size)) : wanted;
-    return (at[i] - low) / size;
+    return inside ? Math.max(kMargin, Math.min(wanted, end - kMargin - size)) : wanted;
   };
-  return { width, height, center: [along(0, width, kAside), along(1, height, kAbove)] };
+  const bottom = low(1, height, kAbove, view[1]);
+  const right = bottom + height > view[1] - kKeys[1] ? view[0] - kKeys[0] : view[0];
+  const left = low(0, width, kAside, right);
+  return { width, height, center: [(at[0] - left) / width, (at[1] - bottom) / height] };
 }

@@ -67,6 +67,7 @@ export class CellPicture {
    * it, so it moves with the base.
    */
   private readonly grounds = new Map<string, { group: THREE.Group; base: Pose }>();
+  private readonly signs = new Map<string, THREE.Group>();
   private readonly things = new THREE.Group();
   private readonly zones = new THREE.Group();
   private readonly frames = new THREE.Group();
@@ -153,6 +154,9 @@ export class CellPicture {
     this.paths.delete(name);
     this.robots.delete(name);
     this.grounds.delete(name);
+    const sign = this.signs.get(name);
+    if (sign) empty(sign);
+    this.signs.delete(name);
     this.ghosts.delete(name);
     this.trails.delete(name);
   }
@@ -225,7 +229,23 @@ export class CellPicture {
     const ground = this.grounds.get(robot)?.group ?? this.stage.scene;
     for (const object of [this.overlay.group, this.frames, this.handle?.object]) if (object) ground.add(object);
     this.shown = robot;
+    this.nameRobots();
     this.redraw();
+  }
+
+  /** Among several robots each has its name at its foot; that of the selected one stands out. */
+  private nameRobots(): void {
+    for (const [name, { group }] of this.grounds) {
+      const sign = this.signs.get(name);
+      if (sign) empty(sign);
+      sign?.removeFromParent();
+      this.signs.delete(name);
+      if (this.grounds.size < 2) continue;
+      const next = new THREE.Group().add(label(name, name === this.shown));
+      next.position.copy(this.robots.get(name)!.root.position);
+      this.signs.set(name, next);
+      group.add(next);
+    }
   }
 
   private thing(thing: SceneThing): THREE.Object3D {
