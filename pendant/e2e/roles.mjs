@@ -59,6 +59,9 @@ test('who may operate has control, and is told which pages need more', async () 
   for (const name of ['Choose another robot', 'Reset the scene', 'Add a mesh']) assert.ok(await main().getByRole('button', { name, exact: true }).isDisabled(), name);
   await go(page, 'Points');
   assert.ok(await main().getByRole('button', { name: 'Teach', exact: true }).isDisabled());
+  await go(page, 'Health');
+  await main().getByRole('radiogroup').first().getByText('Hardware').click();
+  assert.ok(await main().getByRole('button', { name: 'Deactivate' }).first().isDisabled());
   await go(page, 'Move');
   await main().getByRole('button', { name: /plus$/ }).first().waitFor();
   assert.equal(await main().getByText(/^You may/).count(), 0);

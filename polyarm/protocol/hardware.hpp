@@ -83,18 +83,21 @@ struct HardwareRecover {
       .name = "hardware.recover",
       .role = Role::operate,
       .text =
-          "Configures and activates a failed component again. The answer lists the controllers that "
-          "stopped with it; they are not started.",
+          "Configures and activates a failed component again; without `name` all that take commands and "
+          "are not active. With `controllers` it then starts the controllers that stopped with them, or "
+          "those with which the cell began. Otherwise the answer only lists them in `fallen`.",
       .moves = true};
-  std::string name;
+  std::optional<std::string> name;
+  bool controllers = false;
   struct Answer {
     static constexpr const char* kOf = "HardwareRecover";
     std::string name, state;
     std::vector<std::string> fallen;  ///< names of controllers
+    std::optional<std::vector<std::string>> started;
     std::string next;
-    POLYARM_MEMBERS(Answer, name, state, fallen, next)
+    POLYARM_MEMBERS(Answer, name, state, fallen, started, next)
   };
-  POLYARM_MEMBERS(HardwareRecover, name)
+  POLYARM_MEMBERS(HardwareRecover, name, controllers)
 };
 
 struct HardwareReload {

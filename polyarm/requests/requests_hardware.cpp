@@ -262,30 +262,80 @@ Poll<HardwareReload::Answer> hardware_reload(const HardwareOwners& cell, const H
   return then(wait_until_idle(cell.machine, i), [cell, i](Done) { return reload(cell, i); });
 }
 
-Poll<HardwareRecover::Answer> hardware_recover(const HardwareOwners& cell, const HardwareRecover& request) {
-  const std::size_t i = component_named(cell, request.name);
-  cell.arming.require_armed(i);
-  cell.machine.report_events();
+/// The controllers of the cell's beginning that are inactive now; some may have been unloaded since.
+std::vector<std::string> idle_controllers(const Machine& machine) {
+  std::vector<std::string> out;
+  for (const std::string& name : machine.chosen_controllers)
+    if (machine.controllers().find(name) && controller_state(machine, name) == LifecycleState::inactive)
+      out.push_back(name);
+  return out;
+}
+
+/// The components that hardware.recover brings back.
+std::vector<std::size_t> to_recover(const HardwareOwners& cell, const HardwareRecover& request) {
+  if (request.name) return {component_named(cell, *request.name)};
+  std::vector<std::size_t> out;
+  const hardware::Hardware& hardware = cell.machine.hardware();
+  for (std::size_t i = 0; i < hardware.size(); ++i)
+    if (hardware.takes_commands(i) && hardware.state_of(i) != LifecycleState::active) out.push_back(i);
+  return out;
+}
+
+/// Starts the controllers that stopped with the components; if nobody knows them any more, those of the
+/// cell's beginning.
+Poll<HardwareRecover::Answer> start_fallen(const HardwareOwners& cell, HardwareRecover::Answer answer) {
+  std::vector<std::string> wanted;
+  for (const std::string& name : answer.fallen)
+    if (cell.machine.controllers().find(name) &&
+        controller_state(cell.machine, name) == LifecycleState::inactive)
+      wanted.push_back(name);
+  if (answer.fallen.empty()) wanted = idle_controllers(cell.machine);
+  answer.started.emplace();
+  if (wanted.empty()) return at_once(answer);
+  return then(switch_controllers(cell.machine, {wanted, {}, control::Strictness::best_effort}),
+              [cell, answer](const control::SwitchPlan& switched) mutable {
+                for (const std::string& reason : switched.left_out)
+                  cell.events.on_note(reason + "; it stays inactive");
+                answer.started = switched.start;
+                return at_once(answer);
+              });
+}
+
+/// Brings back `components` from the one with the index `next` on.
+Poll<HardwareRecover::Answer> recover_from(const HardwareOwners& cell, std::vector<std::size_t> components,
+                                           std::size_t next, bool controllers,
+                                           HardwareRecover::Answer answer) {
+  if (next == components.size()) return controllers ? start_fallen(cell, answer) : at_once(answer);
+  const std::size_t i = components[next];
   const std::string name = cell.machine.hardware().component_name(i);
-  const HardwareRecover::Answer answer{name, "", cell.machine.take_failed(name),
-                                       cell.machine.snapshot().state == control::RunState::fault
-                                           ? "control recover, then start its controllers and resume"
-                                           : "start its controllers"};
-  return then(wait_until_idle(cell.machine, i), [cell, i, answer](Done) {
-    return then(walk(cell.machine, i, LifecycleState::active, {}), [answer](const Taken& taken) {
-      HardwareRecover::Answer out = answer;
-      out.state = taken.state;
-      return at_once(out);
-    });
+  const std::vector<std::string> fallen = cell.machine.take_failed(name);
+  answer.name += (answer.name.empty() ? "" : ", ") + name;
+  answer.fallen.insert(answer.fallen.end(), fallen.begin(), fallen.end());
+  return then(wait_until_idle(cell.machine, i), [cell, components, next, controllers, answer, i](Done) {
+    return then(walk(cell.machine, i, LifecycleState::active, {}),
+                [cell, components, next, controllers, answer](const Taken& taken) mutable {
+                  answer.state = taken.state;
+                  return recover_from(cell, components, next + 1, controllers, answer);
+                });
   });
 }
 
+Poll<HardwareRecover::Answer> hardware_recover(const HardwareOwners& cell, const HardwareRecover& request) {
+  const std::vector<std::size_t> components = to_recover(cell, request);
+  for (const std::size_t i : components) cell.arming.require_armed(i);
+  cell.machine.report_events();
+  const bool faults = cell.machine.snapshot().state == control::RunState::fault;
+  const char* next = request.controllers ? (faults ? "control recover, then resume" : "")
+                     : faults            ? "control recover, then start its controllers and resume"
+                                         : "start its controllers";
+  HardwareRecover::Answer answer;
+  answer.next = next;
+  if (components.empty()) answer.state = hardware::name(LifecycleState::active);
+  return recover_from(cell, components, 0, request.controllers, answer);
+}
+
 Poll<ControlArm::Answer> start_armed(const HardwareOwners& cell) {
-  std::vector<std::string> idle;
-  for (const std::string& name : cell.machine.chosen_controllers)  // some may have been unloaded since
-    if (cell.machine.controllers().find(name) &&
-        controller_state(cell.machine, name) == LifecycleState::inactive)
-      idle.push_back(name);
+  const std::vector<std::string> idle = idle_controllers(cell.machine);
   const auto finish = [cell](const control::SwitchPlan& switched) {
     for (const std::string& reason : switched.left_out) cell.events.on_note(reason + "; it stays inactive");
     cell.inside.set_armed();

@@ -333,6 +333,7 @@ class HardwareRecoverAnswer(TypedDict):
     name: str
     state: str
     fallen: list[str]
+    started: NotRequired[list[str]]
     next: str
 
 
@@ -1217,8 +1218,8 @@ class Requests:
     async def hardware_state(self, *, name: str, state: str) -> HardwareStateAnswer:
         return await self._ask("hardware.state", {"name": name, "state": state})
 
-    async def hardware_recover(self, *, name: str) -> HardwareRecoverAnswer:
-        return await self._ask("hardware.recover", {"name": name})
+    async def hardware_recover(self, *, name: str | None = None, controllers: bool | None = None) -> HardwareRecoverAnswer:
+        return await self._ask("hardware.recover", {"name": name, "controllers": controllers})
 
     async def hardware_reload(self, *, name: str) -> HardwareReloadAnswer:
         return await self._ask("hardware.reload", {"name": name})

@@ -294,6 +294,40 @@ TEST_F(RequestsTest, AFailedComponentIsBroughtBackAndItsControllersAreNamed) {
   EXPECT_EQ(cell.result({{"request", "health"}})["state"], "running");
 }
 
+TEST_F(RequestsTest, OneRequestBringsBackAllThatFailedWithItsControllers) {
+  FailingMock::fails = true;
+  cell.run(0.02);
+  FailingMock::fails = false;
+  EXPECT_EQ(cell.state_of("follow"), "inactive");
+  EXPECT_EQ(cell.result({{"request", "control.recover"}})["asked"], "recover");
+  cell.run(0.01);
+  const Json back = cell.result({{"request", "hardware.recover"}, {"controllers", true}});
+  EXPECT_EQ(back["state"], "active") << back;
+  EXPECT_EQ(back["name"], cell.result({{"request", "hardware.list"}})[0]["name"]);
+  EXPECT_EQ(back["started"].size(), 3u) << back;
+  EXPECT_EQ(cell.state_of("follow"), "active");
+  EXPECT_EQ(cell.state_of("tail"), "active");
+  cell.result({{"request", "control.resume"}});
+  cell.run(0.01);
+  EXPECT_EQ(cell.result({{"request", "health"}})["state"], "running");
+  // Again with nothing to bring back: there is nothing to start either.
+  EXPECT_EQ(cell.result({{"request", "hardware.recover"}, {"controllers", true}})["started"], Json::array());
+}
+
+TEST_F(RequestsTest, ControllersWhoseComponentIsBackAlreadyStartByTheSameRequest) {
+  const std::string name = cell.result({{"request", "hardware.list"}})[0]["name"];
+  FailingMock::fails = true;
+  cell.run(0.02);
+  FailingMock::fails = false;
+  EXPECT_EQ(cell.result({{"request", "control.recover"}})["asked"], "recover");
+  cell.run(0.01);
+  EXPECT_EQ(cell.result({{"request", "hardware.recover"}, {"name", name}})["fallen"].size(), 3u);
+  EXPECT_EQ(cell.state_of("follow"), "inactive");
+  const Json back = cell.result({{"request", "hardware.recover"}, {"controllers", true}});
+  EXPECT_FALSE(back["started"].empty()) << back;
+  EXPECT_EQ(cell.state_of("follow"), "active");
+}
+
 TEST_F(RequestsTest, ParametersAreListedReadAndChanged) {
   const Json listed = cell.result({{"request", "param.list"}, {"name", "follow"}});
   std::set<std::string> keys;

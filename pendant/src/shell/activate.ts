@@ -16,15 +16,10 @@ export function activateAll(): void {
 
 async function activate(): Promise<void> {
   const names = status.peek()?.inactive ?? [];
+  const { started } = await request('hardware.recover', { controllers: true });
+  if (started?.length) return;
+  // The cell did not begin with what is inactive, for example a controller that was loaded later.
   const devices = await request('hardware.list');
-  const controllers = new Set<string>(names.filter((name) => !devices.some((each) => each.name === name)));
-  for (const { name, state } of devices.filter((each) => names.includes(each.name))) {
-    if (state === 'inactive' || state === 'unconfigured') {
-      await request('hardware.state', { name, state: 'active' });
-      continue;
-    }
-    const { fallen } = await request('hardware.recover', { name });
-    for (const each of fallen ?? []) controllers.add(each);
-  }
-  if (controllers.size) await request('control.switch', { activate: [...controllers], deactivate: [] });
+  const controllers = names.filter((name) => !devices.some((each) => each.name === name));
+  if (controllers.length) await request('control.switch', { activate: controllers, deactivate: [] });
 }

@@ -333,6 +333,7 @@ export interface HardwareRecoverAnswer {
   name: string;
   state: string;
   fallen: string[];
+  started?: string[];
   next: string;
 }
 
@@ -1190,7 +1191,7 @@ export interface Requests {
   'control.arm': { args: { confirmed?: boolean }; answer: ControlArmAnswer };
   'hardware.list': { args: {}; answer: ListedHardware[] };
   'hardware.state': { args: { name: string; state: string }; answer: HardwareStateAnswer };
-  'hardware.recover': { args: { name: string }; answer: HardwareRecoverAnswer };
+  'hardware.recover': { args: { name?: string; controllers?: boolean }; answer: HardwareRecoverAnswer };
   'hardware.reload': { args: { name: string }; answer: HardwareReloadAnswer };
   'interfaces': { args: {}; answer: InterfacesListAnswer };
   'health': { args: {}; answer: LoopHealthAnswer };

@@ -3,7 +3,7 @@ import type { Args, RequestName } from '../../state/cell';
 import { useEffect, useState } from 'preact/hooks';
 import { number, t, word } from '../../i18n';
 import { causeWords, plain, problemLine, problemOf } from '../../i18n/told';
-import { attempt, complain, mayMove, request } from '../../state/cell';
+import { attempt, complain, mayAdminister, mayMove, request } from '../../state/cell';
 import { type Component, type Controller, controllers, hardware, health, loadHealth } from '../../state/health';
 import { ask, open } from '../../ui/ask';
 import { Button, Empty } from '../../ui/controls';
@@ -32,7 +32,8 @@ async function recover(name: string): Promise<void> {
         title: t('health.startQ'),
         text: t('health.startText', { name, names: fallen.join(', ') }),
         action: t('health.start'),
-        onYes: () => void change('control.switch', { activate: fallen, deactivate: [] }),
+        onYes: () => void (mayAdminister.peek() ? change('control.switch', { activate: fallen, deactivate: [] }) : change('hardware.recover', { name, controllers: true })),
+        still: () => mayMove.value,
       });
   } catch (error) {
     complain(error);
@@ -64,6 +65,7 @@ function ComponentCard({ component }: { component: Component }) {
     text: next === 'active' ? t('health.toActive') : t('health.toLess'),
     action: t('health.do'),
     onYes: () => void change('hardware.state', { name, state: next }),
+    still: () => mayAdminister.value,
   });
   const users = [...new Set(component.commands.map((each) => each.claimed_by).filter(Boolean))];
   return (
@@ -83,8 +85,8 @@ function ComponentCard({ component }: { component: Component }) {
       </p>
       <div class="row">
         {failed && <Button label={t('health.recover')} icon="undo" tone="warn" disabled={!mayMove.value} onClick={() => void recover(name)} />}
-        {state !== 'active' && !failed && <Button label={t('health.activate')} icon="power" disabled={!mayMove.value} onClick={() => to('active')} />}
-        {state === 'active' && !failed && <Button label={t('health.deactivate')} icon="power" disabled={!mayMove.value} onClick={() => to('inactive')} />}
+        {state !== 'active' && !failed && <Button label={t('health.activate')} icon="power" disabled={!mayAdminister.value} onClick={() => to('active')} />}
+        {state === 'active' && !failed && <Button label={t('health.deactivate')} icon="power" disabled={!mayAdminister.value} onClick={() => to('inactive')} />}
       </div>
     </li>
   );
@@ -98,7 +100,7 @@ export function Controllers() {
       {list.length === 0 && <Empty icon="health" text={t('health.noControllers')} />}
       {list.length > 0 && (
         <div class="row">
-          <Button label={t('health.switch')} icon="repeat" tone="primary" disabled={!mayMove.value} onClick={() => open((close) => <SwitchDialog onClose={close} />)} />
+          <Button label={t('health.switch')} icon="repeat" tone="primary" disabled={!mayAdminister.value} onClick={() => open((close) => <SwitchDialog onClose={close} />)} />
         </div>
       )}
       <ul class="health-list">
@@ -158,7 +160,7 @@ function SwitchDialog({ onClose }: { onClose: () => void }) {
       actions={
         <>
           <Button label={t('dialog.cancel')} onClick={onClose} />
-          <Button label={t('health.do')} tone="primary" disabled={!changes || plan?.ok !== true} onClick={go} />
+          <Button label={t('health.do')} tone="primary" disabled={!changes || plan?.ok !== true || !mayAdminister.value} onClick={go} />
         </>
       }
     >

@@ -1,6 +1,7 @@
 /** Moves points by an offset, along the axes of their frame or their own axes. */
 import { useState } from 'preact/hooks';
 import { t } from '../../i18n';
+import { mayProgram } from '../../state/cell';
 import { changePoints } from '../../state/points';
 import { settings } from '../../state/settings';
 import { toast } from '../../state/toasts';
@@ -29,7 +30,7 @@ export function Shift({ names, onClose }: { names: string[]; onClose: () => void
       actions={
         <>
           <Button label={t('dialog.cancel')} onClick={onClose} />
-          <Button label={t('points.shift')} tone="primary" disabled={!good} onClick={() => void go()} />
+          <Button label={t('points.shift')} tone="primary" disabled={!good || !mayProgram.value} onClick={() => void go()} />
         </>
       }
     >

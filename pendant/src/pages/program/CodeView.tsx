@@ -2,6 +2,7 @@
 import { effect, untracked } from '@preact/signals';
 import { useEffect, useRef, useState } from 'preact/hooks';
 import { t } from '../../i18n';
+import { mayProgram } from '../../state/cell';
 import { names } from '../../state/points';
 import { Button, Loading } from '../../ui/controls';
 import type { ProgramEditor } from './codemirror';
@@ -104,7 +105,7 @@ export function BreakpointButton() {
     <Button
       label={t('program.breakpointAt', { line })}
       icon="pin"
-      disabled={!doc.fileName.value}
+      disabled={!doc.fileName.value || !mayProgram.value}
       pressed={doc.breakpoints.value.includes(line)}
       onClick={() => void doc.toggleBreakpoint(line)}
     />

@@ -2,6 +2,7 @@
 import { useEffect } from 'preact/hooks';
 import { t } from '../../i18n';
 import { WatchOnly } from '../../shell/Control';
+import { mayProgram } from '../../state/cell';
 import { followPoints } from '../../state/points';
 import { kept } from '../../state/settings';
 import { open } from '../../ui/ask';
@@ -99,7 +100,7 @@ function Bar() {
         label={t('program.save')}
         icon="save"
         tone={doc.dirty.value ? 'primary' : 'plain'}
-        disabled={!doc.dirty.value}
+        disabled={!doc.dirty.value || !mayProgram.value}
         class="program-save"
         onClick={() => void doc.save()}
       />

@@ -6,7 +6,7 @@ import { computed, signal } from '@preact/signals';
 import { useEffect } from 'preact/hooks';
 import { t } from '../../i18n';
 import { go } from '../../shell/route';
-import { connected, mayMove, status } from '../../state/cell';
+import { connected, mayProgram, status } from '../../state/cell';
 import { Button, Segmented } from '../../ui/controls';
 import * as doc from '../program/documents';
 import { shortName } from './Now';
@@ -62,7 +62,7 @@ export function Choice() {
       {unsaved && (
         <>
           <p role="status">{t(saved.value ? 'run.unsaved' : 'run.neverSaved', { name })}</p>
-          <Button label={t('run.save', { name })} icon="save" disabled={!mayMove.value} onClick={() => void save()} />
+          <Button label={t('run.save', { name })} icon="save" disabled={!mayProgram.value} onClick={() => void save()} />
         </>
       )}
     </div>
