@@ -49,6 +49,13 @@ describe('what drivers tell', () => {
     }
   });
 
+  it('names no key of the page: which one comes next depends on the state', () => {
+    const keys = (['bar.recover', 'state.activate', 'bar.resume'] as const).flatMap((key) => [en[key], es[key]]);
+    for (const table of [en, es])
+      for (const [key, text] of Object.entries(table))
+        if (key.startsWith('device.')) expect(text, key).not.toMatch(new RegExp(`(press|pulse) (${keys.join('|')})`, 'i'));
+  });
+
   it('is said in Spanish, with the address and the number', () => {
     const stop = 'the controller at 10.0.0.7 made a protective stop: look what the arm touched (it says: C153A0)';
     const fault = (reason: string) => problemWords({ code: 'fault', what: '', facts: { cause: 'component', component: 'arm', reason } }).detail;
@@ -275,7 +282,7 @@ describe('what is said of programs and files', () => {
 
   it('has no sentence that nothing says any more', async () => {
     const {advices, sentences} = await import('../src/i18n/es/sentences');
-    const all = Object.values(import.meta.glob('../../polyarm/{language,program,base,operation,setup,tasks,inside,cell}/*.{cpp,hpp}', {query: '?raw', import: 'default', eager: true}) as Record<string, string>)
+    const all = Object.values(import.meta.glob('../../polyarm/{language,program,base,operation,setup,tasks,inside,cell,hardware}/*.{cpp,hpp}', {query: '?raw', import: 'default', eager: true}) as Record<string, string>)
                     .map((text) => read(text.replace(/"\s+"/g, ''))).join('\n');
     const stale = [...sentences, ...advices].map(([english]) => english).filter(
         (english) => {
@@ -305,6 +312,7 @@ describe('what is said of programs and files', () => {
     };
     expect(say("there is nothing called 'Hone'; did you mean 'Home'?", 'names are data, points, tags and variables of `let`'))
         .toEqual(['No hay nada llamado «Hone»; ¿quería decir «Home»?', 'Los nombres son datos, puntos, señales y variables de `let`']);
+    expect(say('own', 'check that it is connected and that its parameters are right')[2] ?? '').toBe('Compruebe que está conectado y que sus parámetros son correctos');
     expect(say('format() has 1 field and 2 values')).toEqual(['format() tiene 1 campo y 2 valores']);
     expect(say("'+' cannot take a number without unit and a length")).toEqual(['«+» no admite un número sin unidad y una longitud']);
     expect(say("'endwhile' in line 4 closes the 'while' of line 2 while the 'if' of line 3 is still open"))

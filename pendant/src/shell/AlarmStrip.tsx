@@ -10,6 +10,7 @@ import { Button } from '../ui/controls';
 import { placeIn } from '../ui/format';
 import { Icon } from '../ui/Icon';
 import { Alarms } from './Alarms';
+import { blockedWords } from './blocked';
 import { contactWords, kContactCodes, robotsInContact } from './contact';
 import { go, pageId } from './route';
 
@@ -57,9 +58,11 @@ export function AlarmStrip() {
   );
 }
 
-/** The next step after a fault; '' once the cell runs again. */
-function afterFault(): string {
-  const { next } = ways.value;
+/** The next step after a fault, or what is in its way; '' once the cell runs again. */
+export function afterFault(): string {
+  const { next, nextBlocked } = ways.value;
+  const why = next === 'resume' ? blockedWords(nextBlocked) : '';
+  if (why) return why;
   const step = ({ recover: 'do.fault', activate: 'do.fault.activate', arm: 'do.disarmed', resume: 'do.fault.resume' } as Record<string, Key>)[next];
   return step ? t(step) : '';
 }

@@ -4,7 +4,7 @@
  */
 import { useState } from 'preact/hooks';
 import { t } from '../i18n';
-import { attempt, cell, complain, mayMove, request } from '../state/cell';
+import { attempt, cell, complain, mayMove, request, status, ways } from '../state/cell';
 import { Button, Loading } from '../ui/controls';
 import { Dialog } from '../ui/Dialog';
 import { jointText, jointTitle } from '../ui/format';
@@ -19,6 +19,7 @@ export function ArmDialog({ onClose }: { onClose: () => void }) {
   }
   const robots = cell.value?.robots ?? [];
   const jointOf = (name: string) => robots.flatMap((robot) => robot.joints.map((joint) => ({ robot: robot.name, joint }))).find(({ joint }) => joint.interface === name);
+  const waits = ways.value.going && status.value?.state === 'running' && !status.value.program!.paused ? status.value.program!.file : '';
   const unit = (name: string) => jointOf(name)?.joint.unit ?? 'rad';
   /** The joint's name as on the Move page, with the robot if there are several. */
   const title = (name: string) => {
@@ -37,6 +38,7 @@ export function ArmDialog({ onClose }: { onClose: () => void }) {
       }
     >
       <p>{t('cell.armText')}</p>
+      {waits && <p class="problem-text">{t('cell.armRuns', { name: waits.split('/').pop()! })}</p>}
       {!joints ? (
         <Loading />
       ) : (

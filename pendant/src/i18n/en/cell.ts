@@ -30,6 +30,7 @@ export const cell = {
   'cell.started': 'The cell runs again',
   'cell.arm': 'Compare and arm',
   'cell.armText': 'Look at the robot. Arm it only if its joints are at the measured positions.',
+  'cell.armRuns': 'When you arm, {name} starts at once.',
   'cell.armDo': 'I have compared: arm',
   'cell.joint': 'Joint',
   'cell.measured': 'Measured',

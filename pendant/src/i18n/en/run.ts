@@ -28,6 +28,7 @@ export const run = {
   'run.text': 'Program text',
 
   'program.ready': 'ready',
+  'program.notArmed': 'waits until armed',
   'program.running': 'running',
   'program.waiting': 'waiting',
   'program.paused': 'paused',

@@ -89,7 +89,7 @@ export const told = {
   'do.in-contact.forward': 'Free it at the pendant of its own controller, or step back',
   'do.motion-held': 'Press Resume, or Cancel motion',
   'do.moving': 'Wait until it has arrived, or press Pause',
-  'do.moved-while-held': 'Cancel the motion, or let the joint go back',
+  'do.moved-while-held': 'Press Cancel motion or Stay here, or let the joint go back',
   'do.wrong-state': 'Press Pause first',
   'do.not-held': 'Press Pause first',
   'do.no-speed': 'Raise the speed',

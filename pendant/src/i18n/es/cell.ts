@@ -32,6 +32,7 @@ export const cell: Record<keyof typeof en, string> = {
   'cell.started': 'La celda está de nuevo en marcha',
   'cell.arm': 'Comparar y habilitar',
   'cell.armText': 'Mire el robot: ¿están sus ejes donde se miden? Solo entonces habilítelo.',
+  'cell.armRuns': 'Al habilitar, {name} empieza enseguida.',
   'cell.armDo': 'He comparado: habilitar',
   'cell.joint': 'Eje',
   'cell.measured': 'Medido',

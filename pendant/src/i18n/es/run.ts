@@ -31,6 +31,7 @@ export const run: Record<keyof typeof en, string> = {
   'run.text': 'Texto del programa',
 
   'program.ready': 'listo',
+  'program.notArmed': 'espera a que se habilite',
   'program.running': 'en marcha',
   'program.waiting': 'en espera',
   'program.paused': 'en pausa',

@@ -248,6 +248,7 @@ export const sentences: readonly (readonly [english: string, spanish: string])[]
 
 /** Advice to the sentences above. */
 export const advices: readonly (readonly [english: string, spanish: string])[] = [
+  ['check that it is connected and that its parameters are right', 'compruebe que está conectado y que sus parámetros son correctos'],
   ['{1} takes duration, accel, touch, until, at, robot, tool, frame and payload', '{1} toma duration, accel, touch, until, at, robot, tool, frame y payload'],
   ['drive and turn take speed, accel, duration and robot, a drive to a pose also frame', 'drive y turn toman speed, accel, duration y robot; un drive a una pose, también frame'],
   ['write `on error e` before its end, and the statements for an error', 'escriba `on error e` antes de su final, y las instrucciones para un error'],

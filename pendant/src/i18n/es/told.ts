@@ -84,7 +84,7 @@ export const told: Record<keyof typeof en, string> = {
   'do.in-contact.forward': 'Libérelo en la consola de su propio controlador, o retroceda',
   'do.motion-held': 'Pulse Reanudar o Cancelar movimiento',
   'do.moving': 'Espere a que llegue o pulse Pausa',
-  'do.moved-while-held': 'Cancele el movimiento o deje que el eje vuelva',
+  'do.moved-while-held': 'Pulse Cancelar movimiento o Quedarse aquí, o deje que el eje vuelva',
   'do.wrong-state': 'Pulse antes Pausa',
   'do.not-held': 'Pulse antes Pausa',
   'do.no-speed': 'Suba la velocidad',

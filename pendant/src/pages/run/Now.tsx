@@ -18,6 +18,7 @@ export function programWord(): { text: string; tone: string } {
   if (it.ready) return { text: t('program.ready'), tone: 'off' };
   if (it.ended && wasCanceled()) return { text: t('program.canceled'), tone: 'off' };
   if (it.ended) return { text: word('program', it.state), tone: it.state === 'failed' ? 'bad' : 'off' };
+  if (!now.simulated && !now.armed) return { text: t('program.notArmed'), tone: 'warn' };
   if (now.state === 'held' || now.state === 'stopping') return { text: t('program.held'), tone: 'warn' };
   if (pausing.value) return { text: t('state.pausing'), tone: 'warn' };
   if (it.paused) return { text: t('program.paused'), tone: 'warn' };
