@@ -27,6 +27,9 @@ constexpr double kTimeout = 3;                                   // s after the 
 
 constexpr double kSideways = 3, kMostSideways = 0.3;  // 1/m, of ways: rad towards the line per
                                                       // metre beside it, and their maximum
+/// So long after its end a move explains the motion of the base: since it stands, because its velocity is
+/// measured over some time, and at most, ns.
+constexpr Nanoseconds kStandsStill = 150'000'000, kRollsOut = 1'000'000'000;
 constexpr double kStrayed = 0.05;                     // m beside its leg: it needs another way
 constexpr int kMostWays = 10;                         // of one move
 
@@ -268,7 +271,9 @@ double BaseMotion::strayed() const {
 }
 
 std::optional<BaseMotion::Left> BaseMotion::left() const {
-  if (!active_ || (move_.to && !leg_begun_)) return std::nullopt;
+  if (!active_ && !rolls_out_) return std::nullopt;
+  if (active_ && move_.to && !way_ && !rolls_out_) return std::nullopt;
+  if (!active_ || (move_.to && !leg_begun_)) return Left{};
   const double sign = amount_ < 0 ? -1 : 1;
   const double rest = std::max(0.0, sign * (amount_ - (planned_ ? covered() : 0)));
   std::optional<double> kept;
@@ -299,9 +304,14 @@ void BaseMotion::end(State outcome) {
   outcome_ = outcome;
   drop_search();
   send(0, 0);
+  rolls_out_ = now_;
 }
 
 void BaseMotion::tick(Nanoseconds now, bool running, double share) {
+  now_ = now;
+  if (!controller_.standing()) moved_ = now;
+  if (rolls_out_ && (now - std::max(moved_, *rolls_out_) > kStandsStill || now - *rolls_out_ > kRollsOut))
+    rolls_out_.reset();
   if (!active_ || now == last_) return;
   const double dt = last_ < 0 ? 0 : seconds(now - last_);
   last_ = now;

@@ -88,8 +88,8 @@ class BaseMotion {
 
   bool idle() const { return !active_; }
   /// What is left of the present move, or of the present leg of a way: m, and rad on the spot or along an
-  /// arc, not negative. Empty without a move, and while a move to a place has no leg: the base may still roll
-  /// then.
+  /// arc, not negative. Zero while the base brakes at the end of a move or of a leg. Empty without a move,
+  /// and before a way is known.
   struct Left {
     double way = 0, turn = 0;
     double curvature = 0;    ///< of the arc, 1/m, positive to the left; 0: a line
@@ -165,6 +165,8 @@ class BaseMotion {
   double most_ = std::numeric_limits<double>::infinity();
   Nanoseconds last_ = -1, heard_ = 0;  ///< of the last tick; stamp of the newest odometry
   double unheard_ = 0;                 ///< s since it came
+  Nanoseconds now_ = 0, moved_ = 0;    ///< of the last tick; when the base did not stand last
+  std::optional<Nanoseconds> rolls_out_;  ///< since when, after a move
   std::uint64_t last_id_ = 0;
   State outcome_ = State::done;
   std::optional<Problem> problem_;

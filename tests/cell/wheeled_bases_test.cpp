@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "polyarm/inside/inside.hpp"
 #include "polyarm/protocol/session.hpp"
 #include "polyarm/setup/cell_file.hpp"
 #include "polyarm/wheels/base_controller.hpp"
@@ -181,10 +182,18 @@ class BasesThatGoNear : public WheeledBases, public ::testing::WithParamInterfac
     start_before_a_wall(urdf(GetParam().wheels, GetParam().steering), GetParam().controllers, program,
                         "contacts: {clearance: 40mm}\nguards: {clearance: 40mm}\n", kSphere);
     EXPECT_TRUE(cell->ask({{"request", "program.start"}})["ok"].get<bool>());
+    const auto wheels = [&]() -> moves::BaseMotion& { return *cell->cell().in().motions->wheels(0); };
     double most = 0;
+    int idle_ticks = 0;
+    bool was_busy = false;
     while (!ended() && now() < 60 && cell->cell().loop().supervisor().state() == control::RunState::running) {
       cell->tick();
       most = std::max(most, place().x());
+      idle_ticks = wheels().idle() ? idle_ticks + 1 : 0;
+      if (was_busy && idle_ticks > 0 && idle_ticks < 20) {
+        EXPECT_TRUE(wheels().left()) << "the move that has just ended explains what odometry still says";
+      }
+      was_busy = was_busy || !wheels().idle();
     }
     return most;
   }
@@ -197,6 +206,7 @@ TEST_P(BasesThatGoNear, TheyReachAGoalThatIsNearerToAWallThanTheClearance) {
   EXPECT_FALSE(cell->cell().program()->failed()) << failure();
   EXPECT_NEAR(place().x(), 0.785, GetParam().steering.empty() ? 0.003 : 0.01);
   EXPECT_LT(most, 0.8) << "it does not touch the wall";
+  EXPECT_EQ(cell->result({{"request", "health"}})["state"], "running");
 }
 
 /// At its end a corner is 12 mm from the wall.
