@@ -29,6 +29,15 @@ class Suggestions {
     constexpr int kMost = 50;
     return ++wrong_ <= kMost ? did_you_mean(wrong, known_) : std::string{};
   }
+  /// "known with this ending: arm/tool/vacuum"; empty: none, or too many to list.
+  std::string with_ending_of(const std::string& wrong) const {
+    constexpr std::size_t kListed = 6;
+    const std::string ending = "/" + wrong.substr(wrong.rfind('/') + 1);
+    std::vector<std::string> found;
+    for (const std::string& name : known_)
+      if (name.ends_with(ending)) found.push_back(name);
+    return found.empty() || found.size() > kListed ? "" : "known with this ending: " + join(found, ", ");
+  }
 
  private:
   std::vector<std::string> known_;
@@ -67,7 +76,8 @@ TagBinding::TagBinding(const std::vector<signals::Tag>& tags, const hardware::In
         problems.error("unknown-interface", tag.where,
                        "the tag '" + tag.name + "' reads '" + tag.interface + "', which nothing offers" +
                            states(tag.interface),
-                       table.find_command(tag.interface) ? "it is a command: write {command: …}" : "");
+                       table.find_command(tag.interface) ? "it is a command: write {command: …}"
+                                                         : states.with_ending_of(tag.interface));
     }
     if (tag.role == data::TagRole::command) {
       if (!table.find_command(tag.interface)) {
@@ -76,7 +86,7 @@ TagBinding::TagBinding(const std::vector<signals::Tag>& tags, const hardware::In
                            commands(tag.interface),
                        table.find_state(tag.interface) || own.find(tag.interface)
                            ? "it is a state: write {state: …}"
-                           : "");
+                           : commands.with_ending_of(tag.interface));
         continue;
       }
       const auto at = std::find(command_names_.begin(), command_names_.end(), tag.interface);

@@ -290,6 +290,13 @@ TEST_F(Mistakes, WithSeveralRobotsOneMustReachEachPoint) {
   EXPECT_NE(none.find("; right: A is "), std::string::npos) << none;
 }
 
+TEST_F(Mistakes, ATagWithoutTheMiddleOfAnInterfaceIsToldTheWholeOne) {
+  folder.write("signals.yaml", "polyarm: signals/1\ntags:\n  Up: {state: arm/z, type: number}\n");
+  folder.write("job.script", "wait 1s\n");
+  cell("", "signals: signals.yaml\nprogram: job.script\n");
+  EXPECT_NE(both().find("arm/tcp/z"), std::string::npos) << both();
+}
+
 TEST_F(Mistakes, OneMistakeIsOneError) {
   folder.write("signals.yaml",
                "polyarm: signals/1\ntags:\n  Where: {state: arm/joint_9/position, type: number}\n");
