@@ -401,7 +401,7 @@ class Runner {
     RunResult out;
     out.sim_time_s = seconds(loop.cycle().time);
     out.wall_time_s = seconds(realtime::monotonic_now() - wall_start_);
-    out.program_cycles = cell_.programs->program() ? cell_.programs->program()->status().passes : 0;
+    out.program_cycles = cell_.programs->program() ? cell_.programs->program()->status().cycles : 0;
     out.contacts_max = cell_.watches->contacts_max();
     out.tracking_error_max = cell_.watches->tracking_error_max();
     out.clamps = loop.limits().clamps();
