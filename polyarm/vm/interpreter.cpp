@@ -25,7 +25,9 @@ Interpreter::Interpreter(std::shared_ptr<Compiled> compiled, Host& host, std::op
       host_{host},
       random_{host.seed()},
       began_{host.now()},
-      test_{test} {
+      test_{test},
+      has_moves_{std::any_of(code_.steps.begin(), code_.steps.end(),
+                             [](const Step& step) { return step.op == Op::move; })} {
   Slot empty;
   empty.set = false;
   globals_.assign(code_.globals.size(), empty);
@@ -147,9 +149,8 @@ std::uint64_t Interpreter::cycles_of(const Task& task) const {
 std::uint64_t Interpreter::cycles() const {
   std::uint64_t out = 0;
   const auto moves = [](const auto& task) { return !task->commanded.empty(); };
-  const auto is_move = [](const Step& step) { return step.op == Op::move; };
   const bool moved = std::any_of(tasks_.begin(), tasks_.end(), moves);
-  if (!moved && tasks_.size() > 1 && std::any_of(code_.steps.begin(), code_.steps.end(), is_move)) return 0;
+  if (!moved && tasks_.size() > 1 && has_moves_) return 0;
   for (const auto& task : tasks_)
     if (!moved || moves(task)) out = std::max(out, cycles_of(*task));
   return out;

@@ -295,6 +295,7 @@ class Interpreter {
   // Motion and meetings: motion_steps.cpp
   void move(Task& task, const Step& step);
   void check_targets(const Task& task, const Step& step, std::size_t next) const;
+  void note_commanded(Task& task, const std::string& robot);
   void use(Task& task, const Step& step);
   Move requested_move(Task& task, const Step& step, std::size_t first) const;
   void check_watches();
@@ -331,6 +332,7 @@ class Interpreter {
   std::uint64_t random_;     ///< state of random()
   Nanoseconds began_;        ///< for clock()
   std::optional<std::size_t> test_;
+  bool has_moves_;
   std::uint64_t pass_limit_ = 0;
   std::size_t turn_ = 0;
   int turn_left_ = 0;

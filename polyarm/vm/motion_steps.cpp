@@ -295,8 +295,7 @@ void Interpreter::move(Task& task, const Step& step) {
   }
   release_now(task, step.a, count);
   ++task.pc;
-  if (std::find(task.commanded.begin(), task.commanded.end(), move.robot) == task.commanded.end())
-    task.commanded.push_back(move.robot);
+  note_commanded(task, move.robot);
   if (!move.waits) {
     if (std::find(task.robots.begin(), task.robots.end(), move.robot) == task.robots.end())
       task.robots.push_back(move.robot);
@@ -308,6 +307,13 @@ void Interpreter::move(Task& task, const Step& step) {
                                  [](const Clause& c) { return c.kind == Clause::Kind::until; });
   if (looks) task.until_met = false, task.travelled = task.whole = 0, task.measured = handle;
   if (!looks) wait_for(task, WaitKind::move, move.targets.back().name);
+}
+
+/// A part of a task is gone when it has ended: what it moved, its task has moved.
+void Interpreter::note_commanded(Task& task, const std::string& robot) {
+  for (Task* each = &task; each; each = each->parent ? task_of(each->parent) : nullptr)
+    if (std::find(each->commanded.begin(), each->commanded.end(), robot) == each->commanded.end())
+      each->commanded.push_back(robot);
 }
 
 void Interpreter::use(Task& task, const Step& step) {

@@ -23,7 +23,7 @@ struct SavedTask {
   int trap = -1;            ///< what looks at the condition of a trap: its index
   std::uint64_t owner = 0;  ///< the task that it interrupts
   bool sprung = false;
-  std::vector<std::string> commanded;   ///< robots that it has moved
+  std::vector<std::string> commanded;   ///< robots that it and its parts have moved
   std::optional<Nanoseconds> next_due;  ///< of an `every`: the rest of its time
   TaskState state = TaskState::running;
   std::size_t step = 0;

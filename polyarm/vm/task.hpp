@@ -65,7 +65,7 @@ struct Interpreter::Task {
   std::vector<std::string> stopped_robots;
   bool goes_back = false;
   std::uint64_t frozen = 0;             ///< by this block of a trap
-  std::vector<std::string> commanded;   ///< robots that it has moved
+  std::vector<std::string> commanded;   ///< robots that it and its parts have moved
   std::optional<Nanoseconds> next_due;  ///< of an `every`
   std::unique_ptr<Work> work;  ///< of its step, in pieces
   std::uint64_t passes = 0;

@@ -185,6 +185,26 @@ TEST(Interpreter, CountsTheCyclesOfTasksThatMoveNotOfThoseThatWatch) {
     EXPECT_TRUE(task.name != "watcher" || task.cycles > 100u) << "each task has its own count";
 }
 
+/// The parts of a `together` are gone when they have ended.
+TEST(Interpreter, CountsTheCyclesOfTasksWhosePartsMove) {
+  HostWithMotion host;
+  for (const char* point : {"A", "B"}) host.store.set(point, data::Point{}, "test");
+  Interpreter interpreter(
+      parsed("task arm\nwhile true\ntogether\nmovej A\nwait 100ms\nend\nwait 1s\nend\nend\n"
+             "task watcher\nwhile true\nwait 10ms\nend\nend\n"),
+      host);
+  std::uint64_t before = 0;
+  for (int tick = 0; tick < 3000; ++tick) {
+    interpreter.step(100);
+    const std::uint64_t now = interpreter.overview().cycles;
+    EXPECT_GE(now, before);
+    before = now;
+    host.time += 2'000'000;
+  }
+  EXPECT_GE(before, 2u);
+  EXPECT_LE(before, 6u);
+}
+
 TEST(Interpreter, AProgramWithoutALoopThatHasFinishedCountsOnePass) {
   FakeHost host;
   Interpreter once(parsed("log(1)\n"), host), looped(parsed("while true\nlog(1)\nend\n"), host),
