@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 
 #include "polyarm/base/text.hpp"
 
@@ -68,8 +69,28 @@ bool is_passive(const RobotModel& model, const std::string& joint) {
   return any;
 }
 
-bool is_caster(const RobotModel& model, std::size_t link) {
-  if (!turns_as_a_wheel(model, link)) return false;
+bool is_behind(const RobotModel& model, std::size_t link, const std::vector<int>& joints) {
+  for (int joint = model.links[link].parent_joint; joint >= 0;) {
+    if (std::find(joints.begin(), joints.end(), joint) != joints.end()) return true;
+    joint = model.links[static_cast<std::size_t>(model.joints[static_cast<std::size_t>(joint)].parent_link)]
+                .parent_joint;
+  }
+  return false;
+}
+
+/// The height of the highest wheel behind these joints, with what casters may be higher, m.
+double caster_height(const RobotModel& model, const std::vector<int>& joints) {
+  constexpr double kHigher = 0.05;
+  double out = -std::numeric_limits<double>::infinity();
+  for (std::size_t i = 0; i < model.links.size(); ++i)
+    if (is_behind(model, i, joints) && turns_as_a_wheel(model, i))
+      out = std::max(out, pose_of(model, i).position.z + kHigher);
+  return out;
+}
+
+/// A wheel that nobody commands, on the floor of the others: an arm that no hardware lists is higher.
+bool is_caster(const RobotModel& model, std::size_t link, double highest) {
+  if (!turns_as_a_wheel(model, link) || pose_of(model, link).position.z > highest) return false;
   for (const Joint* joint = joint_above(model, link);;) {
     link = static_cast<std::size_t>(joint->parent_link);
     joint = joint_above(model, link);
@@ -85,15 +106,6 @@ void mark_up(const RobotModel& model, std::size_t link, std::vector<char>& out) 
   for (const Joint* joint = joint_above(model, link); joint;
        joint = joint_above(model, static_cast<std::size_t>(joint->parent_link)))
     out[static_cast<std::size_t>(joint->parent_link)] = 1;
-}
-
-bool is_behind(const RobotModel& model, std::size_t link, const std::vector<int>& joints) {
-  for (int joint = model.links[link].parent_joint; joint >= 0;) {
-    if (std::find(joints.begin(), joints.end(), joint) != joints.end()) return true;
-    joint = model.links[static_cast<std::size_t>(model.joints[static_cast<std::size_t>(joint)].parent_link)]
-                .parent_joint;
-  }
-  return false;
 }
 
 bool rigid_with_root(const RobotModel& model, std::size_t link) {
@@ -138,10 +150,11 @@ std::vector<std::string> links_without_body(const RobotModel& model) {
 std::vector<char> links_on_the_floor(const RobotModel& model, bool is_freestanding,
                                      const std::vector<int>& wheel_joints) {
   const bool is_said = !wheel_joints.empty();
+  const double highest = caster_height(model, wheel_joints);
   std::vector<std::size_t> wheels;
   for (std::size_t i = 0; i < model.links.size(); ++i)
-    if (looks_like_a_wheel(model, i) ||
-        (is_said && (is_behind(model, i, wheel_joints) || is_caster(model, i))))
+    if (is_said ? is_behind(model, i, wheel_joints) || is_caster(model, i, highest)
+                : looks_like_a_wheel(model, i))
       wheels.push_back(i);
   if (!is_said && wheels.size() < kFewest)
     return std::vector<char>(model.links.size(), is_freestanding ? 1 : 0);

@@ -138,5 +138,19 @@ TEST(Bodies, RoundNumbersEverywhereLookLikePlaceholders) {
   EXPECT_NE(all[1].find("base, one, two"), std::string::npos) << all[1];
 }
 
+/// Neither a joint that no hardware lists nor a round wrist makes an arm a caster of its base.
+TEST(Bodies, AnArmOnABaseIsNoCasterWhateverHardwareLists) {
+  const std::string
+      wheels = wheel("left", "chassis", "0 0.2 0.1") + wheel("right", "chassis", "0 -0.2 0.1"),
+      arm = joint("arm", "revolute", "chassis", "0 1 0") + wheel("wrist", "arm", "0 0 0.4"),
+      roller = wheel("roller", "chassis", "0.3 0 0.05"),
+      hardware =
+          "<ros2_control name='b' type='system'><hardware><plugin>p/P</plugin></hardware>"
+          "<joint name='left_joint'><command_interface name='velocity'/></joint>"
+          "<joint name='right_joint'><command_interface name='velocity'/></joint></ros2_control>";
+  const RobotModel model = read("<link name='chassis'/>" + wheels + arm + roller + hardware);
+  EXPECT_EQ(rolling(model, {"left_joint", "right_joint"}), "chassis left right roller");
+}
+
 }  // namespace
 }  // namespace polyarm::bodies_test
