@@ -10,10 +10,11 @@
 namespace polyarm::cell {
 
 void HardwareCalls::start(std::shared_ptr<hardware::Transition> transition) {
-  if (inline_) return transition->run();
   // Detached, so a device that never answers cannot block the process. After a timeout the component is
   // abandoned.
-  std::thread([transition = std::move(transition)] { transition->run(); }).detach();
+  left_ = nullptr;
+  std::thread([transition] { transition->run(); }).detach();
+  if (waits_) await(*transition);
 }
 
 void HardwareCalls::report_waiting(const hardware::Transition& transition, Nanoseconds since, const char* end) {
@@ -25,11 +26,13 @@ void HardwareCalls::report_waiting(const hardware::Transition& transition, Nanos
 bool HardwareCalls::give_up(const hardware::Transition& transition, Nanoseconds waited) {
   if ((wait_limit_ < 0 || waited < wait_limit_) && !(asked_ && asked_())) return false;
   report_waiting(transition, waited, "the cell stops waiting for it, and leaves it as it is");
+  left_ = &transition;
   return true;
 }
 
 bool HardwareCalls::await(const hardware::Transition& transition) {
   constexpr Nanoseconds kLook = 100'000'000;
+  if (&transition == left_) return transition.done();
   Nanoseconds waited = 0, next_report = kWorthReporting;
   for (;;) {
     Nanoseconds next = wait_limit_ < 0 ? next_report : std::min(next_report, wait_limit_);

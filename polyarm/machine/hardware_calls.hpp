@@ -13,13 +13,13 @@
 namespace polyarm::cell {
 
 /// Runs each callback on a thread of its own, so a slow device only delays the client that asked for it. In
-/// lock-step callbacks run at once. Cell thread.
+/// lock-step the cell waits for each callback, as await() does, so that runs are repeatable. Cell thread.
 class HardwareCalls : public hardware::Caller {
  public:
   /// Waiting is reported after this time, ns, and again each time it has doubled.
   static constexpr Nanoseconds kWorthReporting = 2'000'000'000;
 
-  HardwareCalls(bool run_inline, Observer& observer) : inline_(run_inline), observer_(observer) {}
+  HardwareCalls(bool waits, Observer& observer) : waits_(waits), observer_(observer) {}
 
   void start(std::shared_ptr<hardware::Transition> transition) override;
   /// For start-up and shutdown, when nothing else runs: waits, and reports what it waits for.
@@ -48,10 +48,11 @@ class HardwareCalls : public hardware::Caller {
   bool give_up(const hardware::Transition& transition, Nanoseconds waited);
   void report_waiting(const hardware::Transition& transition, Nanoseconds since, const char* end);
 
-  bool inline_;
+  bool waits_;
   Observer& observer_;
   Nanoseconds wait_limit_ = -1;  // < 0: no limit
   std::function<bool()> asked_;
+  const hardware::Transition* left_ = nullptr;  // that await() gave up last
   std::list<Wanted> wanted_;
   struct Since {
     Nanoseconds begun, next_report;

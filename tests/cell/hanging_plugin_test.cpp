@@ -19,7 +19,7 @@ class Hanging : public drivers::MockComponent {
  public:
   static inline std::atomic<bool> own_thread{false};
   static inline std::atomic<int> waiting{0};
-  static inline test::Gate reading, configuring;
+  static inline test::Gate reading, configuring, deactivating;
   static void close(test::Gate& gate) {
     waiting = 0;
     gate.close();
@@ -28,6 +28,10 @@ class Hanging : public drivers::MockComponent {
   hardware::CallbackReturn on_configure() override {
     pass(configuring);
     return drivers::MockComponent::on_configure();
+  }
+  hardware::CallbackReturn on_deactivate() override {
+    pass(deactivating);
+    return drivers::MockComponent::on_deactivate();
   }
   hardware::ReturnType read(const hardware::Cycle& cycle, std::span<double> states) noexcept override {
     pass(reading);
@@ -52,11 +56,12 @@ class HangingPlugin : public testing::Test {
   ~HangingPlugin() override {
     Hanging::reading.open();
     Hanging::configuring.open();
+    Hanging::deactivating.open();
   }
   std::unique_ptr<test::OpenCell> make(bool own_thread, cell::CellOptions options = {}) {
     Hanging::own_thread = own_thread;
     hardware::register_driver("hanging", [] { return std::unique_ptr<hardware::Component>(new Hanging); });
-    options.hardware_timeout = 1;
+    if (!options.lock_step) options.hardware_timeout = 1;
     const std::string model = std::string(POLYARM_SOURCE_DIR) + "/examples/r6bot/r6bot.urdf";
     return std::make_unique<test::OpenCell>(
         cell::read_cell_file(folder.write(
@@ -100,6 +105,28 @@ TEST_F(HangingPlugin, ItsOwnThreadIsLeftBehindWithASentence) {
   for (int k = 0; k < 1000; ++k) cell->loop().step_next();  // the loop goes on, else this would never end
   cell->loop().end();
   cell.reset();
+  EXPECT_NE(notes.all.find("the cell stops waiting for it"), std::string::npos) << notes.all;
+}
+
+TEST_F(HangingPlugin, ARunInLockStepEndsWithoutTheCallbackThatKeepsIt) {
+  cell::CellOptions options;
+  options.lock_step = true;
+  options.hardware_timeout = 100'000'000;
+  auto cell = make(false, options);
+  cell->loop().begin();
+  cell->loop().step_next();
+  Hanging::close(Hanging::deactivating);
+  cell->loop().end();
+  cell.reset();
+  EXPECT_NE(notes.all.find("the cell stops waiting for it"), std::string::npos) << notes.all;
+}
+
+TEST_F(HangingPlugin, WhoAsksForTheEndDuringTheStartInLockStepHasItToo) {
+  Hanging::close(Hanging::configuring);
+  cell::CellOptions options;
+  options.lock_step = true;
+  options.start_given_up = [] { return Hanging::waiting > 0; };
+  EXPECT_THROW(make(false, options), Error);
   EXPECT_NE(notes.all.find("the cell stops waiting for it"), std::string::npos) << notes.all;
 }
 
