@@ -186,6 +186,7 @@ std::string Programs::hint_of_live() const {
   }
   for (const std::string& name : program_->status().waiting.names) {
     const std::string set = data_.store.set_of(name);
+    if (data_.store.tag_role(name) == data::TagRole::state) continue;  // hardware sets it
     if (set.empty() || data_.files().is_live(set) || set_here.contains(name) || data_.links().source_of(name))
       continue;
     const std::string file = data_.files().file_of(set).filename().string();
@@ -376,7 +377,10 @@ void Programs::tick_belts_and_streams() {
 
 bool Programs::hears_devices() const {
   const bool open = !setup_.options.lock_step || setup_.options.links;
-  return (streams_ && open) || (belts_ && setup_.options.real);
+  const std::vector<signals::Tag>& tags = data_.signals().tags;
+  const auto reads = [](const signals::Tag& tag) { return tag.role == data::TagRole::state; };
+  const bool inputs = std::any_of(tags.begin(), tags.end(), reads);
+  return (streams_ && open) || ((belts_ || inputs) && setup_.options.real);
 }
 
 void Programs::tick_program() {

@@ -15,6 +15,8 @@ namespace {
 class Waits : public ::testing::Test {
  protected:
   Waits() {
+    hardware::register_driver(
+        "mock", [] { return std::unique_ptr<hardware::Component>(new drivers::MockComponent); });
     write_scene(1);
     folder.write("signals.yaml",
                  "polyarm: signals/1\ntags:\n  Feed: {command: scene/chute/feed, type: number}\n"
@@ -29,7 +31,8 @@ class Waits : public ::testing::Test {
             std::to_string(count) + "}\n");
   }
   /// What the run fails with.
-  Problem failure(const std::string& program, const std::string& plc = "", double seconds = 6) {
+  Problem failure(const std::string& program, const std::string& plc = "", double seconds = 6,
+                  CellOptions options = {}) {
     folder.write("job.script", program);
     folder.write("plc.script", plc);
     folder.write(
@@ -38,7 +41,7 @@ class Waits : public ::testing::Test {
             ", hardware: mock, tool: suction_cup}\nscene: scene.yaml\nsignals: signals.yaml\nprogram: "
             "job.script\n" +
             (plc.empty() ? "" : "plc: plc.script\n"));
-    test::LockStepCell cell(read_cell_file(folder.path()));
+    test::LockStepCell cell(read_cell_file(folder.path()), options);
     cell.run(seconds);
     return cell.cell().failure() ? cell.cell().failure()->problem : Problem{};
   }
@@ -77,6 +80,13 @@ TEST_F(Waits, ADeadlockNamesTheEmptyFeederToo) {
   const Problem told = failure("set Feed = 3\nwait Lying > 2\n");
   EXPECT_EQ(told.code, "deadlock") << told.text();
   EXPECT_EQ(told.advice, "the feeder 'chute' is empty: it has brought all of its 1 part");
+}
+
+TEST_F(Waits, OfRealHardwareAnInputMayComeAtAnyTime) {
+  CellOptions real;
+  real.real = true;
+  EXPECT_EQ(failure("wait Spare\n", "", 60).code, "deadlock");
+  EXPECT_EQ(failure("wait Spare\n", "", 60, real).text(), Problem{}.text());
 }
 
 TEST_F(Waits, ATimeOutForAGripperSaysWhyItHoldsNothing) {
