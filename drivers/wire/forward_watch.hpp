@@ -13,7 +13,8 @@
 namespace polyarm::wire {
 
 /// Finds commands of a controller that moves joints: the one that hands moves over commands the joints to be
-/// where they are measured. Control thread.
+/// where they are measured. Limits may hold such a command back after a gap in the measurements; it then
+/// comes nearer from cycle to cycle. Control thread.
 class ForwardWatch {
  public:
   void begin() noexcept { commanded_.fill(std::numeric_limits<double>::quiet_NaN()); }
@@ -22,8 +23,9 @@ class ForwardWatch {
     constexpr double kElsewhere = 0.1;  // rad
     for (std::size_t j = 0; j < 6; ++j) {
       const bool changed = std::isfinite(commands[j]) && commands[j] != commanded_[j];
+      const double away = std::abs(commands[j] - measured[j]), before = std::abs(commanded_[j] - measured[j]);
       commanded_[j] = commands[j];
-      if (changed && !(std::abs(commands[j] - measured[j]) < kElsewhere)) return static_cast<int>(j);
+      if (changed && !(away < kElsewhere) && !(away < before)) return static_cast<int>(j);
     }
     return std::nullopt;
   }
