@@ -259,7 +259,7 @@ class Follower {
     const bool upper = value > chain_.upper()[joint];
     throw Error(
         "limit",
-        fmt::format("at {}{} {} reaches its {} limit of {:.4f} {}", place(s),
+        fmt::format("at {}{}, {} reaches its {} limit of {:.4f} {}", place(s),
                     turns_at(s) ? "" : " of the path", chain_.names()[joint], upper ? "upper" : "lower",
                     upper ? chain_.upper()[joint] : chain_.lower()[joint], unit(joint)),
         "begin in another configuration, or a turn of that joint further back, or move the path");

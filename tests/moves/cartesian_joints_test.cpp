@@ -353,9 +353,9 @@ TEST(CartesianJoints, SayWhereInATurnTheyCannotGoOn) {
                                &text) == "limit";
   const double angle = forward ? 1 : -1;
   text = reason(start, false, angle);
-  EXPECT_NE(text.find("at 16.2 deg of the turn wrist_3_joint"), std::string::npos) << text;
+  EXPECT_NE(text.find("at 16.2 deg of the turn, wrist_3_joint"), std::string::npos) << text;
   text = reason(ahead, true, angle);
-  EXPECT_NE(text.find(" deg of the turn after 0.0500 m wrist_3_joint"), std::string::npos) << text;
+  EXPECT_NE(text.find(" deg of the turn after 0.0500 m, wrist_3_joint"), std::string::npos) << text;
 }
 
 /// The wrist is straight in the middle of a line that does not let it turn aside.
