@@ -80,7 +80,7 @@ for (const [language, locale] of [['en', 'en-GB'], ['es', 'es-ES']])
     const schemes = language === 'en' ? ['dark', 'light'] : ['dark'];
     test(`looks well in ${locale} on a ${size}, ${schemes.join(' and ')}`, async () => {
       const page = await screen(at.chrome.browser, at.cell.link, { locale, viewport: { width, height } });
-      assert.equal(await page.evaluate(() => document.documentElement.lang), language);
+      await page.waitForFunction((lang) => document.documentElement.lang === lang, language);
       await page.evaluate(axe);
       const found = [];
       for (const colorScheme of schemes) {
