@@ -15,6 +15,9 @@ namespace {
 
 constexpr int kAsksOfRound = 8;                   // requests of one round
 constexpr Nanoseconds kSuspicious = 100'000'000;  // without an answer, until the controller is asked why
+constexpr double kMostArc = 235;                  // degrees, of MoveC: recalled is 240
+constexpr Nanoseconds kLeastLook = 1'000'000;     // the least, at a socket where an answer may wait
+constexpr std::chrono::milliseconds kOthers(300);  // for Robot Web Services to be free, to ask them why
 
 }  // namespace
 
@@ -103,6 +106,10 @@ bool ForwardLink::ask_order() {
     case MoveOrder::Kind::move:
       request.what = MoveDo::move;
       request.move = rapid_move(order_, moves_.frame());
+      if (request.move.angle > kMostArc) {
+        note(Cause::arc_too_long, static_cast<int>(std::lround(request.move.angle)));
+        return true;
+      }
       break;
     case MoveOrder::Kind::halt:
       request.what = MoveDo::halt;

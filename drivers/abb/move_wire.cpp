@@ -161,8 +161,9 @@ RapidMove rapid_move(const forward::MoveOrder& order, const forward::MoveFrame& 
   out.kind = way.arc ? RapidMove::arc : RapidMove::line;
   out.end = frame_of(base * move.at);
   if (way.arc) {
-    const Vec3 via = (base * move.via).position;
-    out.via = {1000 * via.x, 1000 * via.y, 1000 * via.z};
+    // In the middle: MoveC refuses a point that is near one of the ends.
+    out.via = {1000 * way.middle.x, 1000 * way.middle.y, 1000 * way.middle.z};
+    out.angle = way.angle * wire::kDegrees;
   }
   out.speed = 1000 * std::max(way.speed, 1e-3);
   out.turn = kFullTurn;

@@ -52,6 +52,7 @@ struct RapidMove {
   Kind kind = none;
   Frame end{0, 0, 0, 1, 0, 0, 0};  ///< six angles of joints, or the TCP in wobj0
   std::array<double, 3> via{};     ///< mm, a point on an arc
+  double angle = 0;                ///< degrees, of an arc; the program does not get it
   double time = 0;                 ///< s, of a joint move
   double speed = 0, turn = 0;      ///< mm/s and degrees/s of a line or an arc
   double acceleration = 0;         ///< % of the controller's for joints, else m/s²

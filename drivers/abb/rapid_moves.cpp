@@ -79,6 +79,7 @@ constexpr const char* kProgram = R"(MODULE PolyarmMoves
     IDelete cornered;
     ConfJ \On;
     ConfL \Off;
+    CirPathMode \ObjectFrame;
     IF SocketGetStatus(client) <> SOCKET_CONNECTED Accept;
     CONNECT cornered WITH OnCorner;
     TriggInt corner, 0, cornered;

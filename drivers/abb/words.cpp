@@ -66,6 +66,7 @@ const char* name(Cause cause) {
                                     "move-failed",
                                     "frame-differs",
                                     "joint-commands",
+                                    "arc-too-long",
                                     "off-target",
                                     "halt-unconfirmed"};
   static_assert(std::size(kNames) == static_cast<std::size_t>(Cause::halt_unconfirmed) + 1);
@@ -303,6 +304,9 @@ std::string moves_sentence(Cause cause, int detail, const std::string& where, co
              "): the robot's model must be the real one, and its base the world frame of the controller";
     case Cause::joint_commands:
       return wire::joint_commands_sentence(detail, where);
+    case Cause::arc_too_long:
+      return program + " cannot make an arc of " + std::to_string(detail) +
+             " degrees, because MoveC of ABB takes 240 at most: make two arcs of it";
     case Cause::off_target:
       return "joint " + std::to_string(detail + 1) + " of " + where +
              " is not where its move ended, though the program there says that it did: check that nothing "

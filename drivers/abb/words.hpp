@@ -67,6 +67,7 @@ enum class Cause : std::uint8_t {
   move_failed,     ///< detail: number of the error
   frame_differs,   ///< text: by how much
   joint_commands,  ///< detail: joint
+  arc_too_long,    ///< detail: its angle, degrees
   off_target,      ///< detail: joint
   halt_unconfirmed,
 };

@@ -19,7 +19,7 @@ constexpr int kPlaces = 16;             // of a line at which its speed is check
 constexpr double kShareOfBlend = 0.49;  // of a move: blends that overlap are refused by controllers
 constexpr double kLeastBlend = 1e-3;    // m
 constexpr double kMargin = 0.95;        // of the joints' limits, on lines
-constexpr double kLeastArc = 0.02;      // rad
+constexpr double kLeastArc = 0.08;      // rad; controllers refuse arcs whose points are near each other
 constexpr double kLeastSpeed = 1e-3;    // m/s
 
 std::optional<Six> joints_at(const Pose& tcp, const Pose& tool, const Six& seed, const MoveFrame& frame) {
@@ -103,6 +103,8 @@ CartesianWay cartesian_way(const ForwardMove& move, const Six& from, const MoveF
     if (by) {
       out.arc = true;
       out.via = *by;
+      out.angle = whole;
+      out.middle = circle->point(whole / 2);
       out.speed = std::max(kLeastSpeed, std::min(move.speed, steady_speed(arc, tool, from, frame)));
       return out;
     }

@@ -40,6 +40,8 @@ double blend_of(const hardware::ForwardMove& move, const Six& from, const hardwa
 struct CartesianWay {
   bool arc = false;  ///< also false for an arc whose points are on one line or out of reach
   Six via{};         ///< joints at the point on the way of an arc
+  double angle = 0;  ///< rad, of an arc
+  Vec3 middle;       ///< of an arc, half way to its end; in the base of the description
   double speed = 0;  ///< m/s, at which no joint exceeds its limit anywhere; 0: the TCP only turns
   double turn = 0;   ///< rad, of the TCP
 };

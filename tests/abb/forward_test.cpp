@@ -94,6 +94,20 @@ TEST(AbbForward, AnArcPassesItsPoint) {
   expect_arc_passes_its_point(rig, kArc, kVia, 0.002, 1e-4);
 }
 
+/// MoveC does not take three quarters of a circle.
+TEST(AbbForward, AnArcThatIsTooLongIsNamedAndNothingMoves) {
+  ForwardRig rig;
+  ASSERT_TRUE(begins(rig));
+  ASSERT_TRUE(rig.moves->accept(rig.arc({0, -0.05, -0.05}, {0, -0.1, 0})));
+  const Six at = rig.q();
+  bool failed = false;
+  for (int i = 0; i < 100 && !failed; ++i) failed = rig.pass() == ReturnType::error;
+  ASSERT_TRUE(failed);
+  EXPECT_EQ(rig.component.cause(), Cause::arc_too_long) << rig.component.reason();
+  EXPECT_NE(rig.component.reason().find("arc of 270 degrees"), std::string::npos) << rig.component.reason();
+  expect_at(rig.q(), at, kStandsWithin);
+}
+
 TEST(AbbForward, ABlendLeavesTheCornerByNoMoreThanItsRadiusAndSavesTime) {
   const auto joints = [](ForwardRig& rig, double blend) { return rig.turn(-0.3, blend); };
   const auto line = [](ForwardRig& rig, double blend) { return rig.shift({0, 0, -0.1}, blend); };

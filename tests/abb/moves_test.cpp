@@ -239,6 +239,42 @@ TEST(AbbMoves, ALineHasTheTcpInTheBaseOfTheRobot) {
   EXPECT_NEAR(move.speed, 200, 1e-6);
 }
 
+/// MoveC refuses a point near the end, and a rest that is too short.
+TEST(AbbMoves, ThePointOfAnArcIsInItsMiddleAndAShortRestIsALine) {
+  const forward::MoveFrame frame = frame_of_irb();
+  const auto jacobian = [](const Six& one, std::array<double, 36>& J) {
+    return abb_chain().jacobian(one, J);
+  };
+  forward::MoveOrder order;
+  order.from = {0.3, 0.2, -0.1, 0.1, 0.8, 0.4};
+  const Pose begin = abb_chain().forward(order.from);
+  const auto on_circle = [&](double angle) {  // radius 0.05, upwards first
+    Pose out = begin;
+    out.position = begin.position + 0.05 * Vec3{0, std::cos(angle) - 1, std::sin(angle)};
+    return out;
+  };
+  const auto joints_on = [&](double angle) {
+    return *forward::near_joints(jacobian, on_circle(angle), order.from);
+  };
+  const Six to = joints_on(M_PI);
+  std::copy(to.begin(), to.end(), order.move.joints.begin());
+  order.move.kind = hardware::ForwardMove::Kind::arc;
+  order.move.at = on_circle(M_PI);
+  order.move.via = on_circle(M_PI - 0.01);
+  order.move.speed = 0.1;
+  const RapidMove move = rapid_move(order, frame);
+  ASSERT_EQ(move.kind, RapidMove::arc);
+  EXPECT_NEAR(move.angle, 180, 1e-3);
+  const Vec3 middle = on_circle(M_PI / 2).position;
+  EXPECT_NEAR(move.via[1], 1000 * middle.y, 1e-3);
+  EXPECT_NEAR(move.via[2], 1000 * middle.z, 1e-3);
+  for (const double left : {0.05, 0.2}) {
+    hardware::ForwardMove rest = order.move;
+    shorten_arc(rest, order.from, joints_on(M_PI - left), frame);
+    EXPECT_EQ(rest.kind == hardware::ForwardMove::Kind::arc, left > 0.1);
+  }
+}
+
 /// RAPID does not tell capitals from small letters.
 TEST(AbbRapidMoves, NamesAreDeclaredOnceAndBlocksAreClosed) {
   const std::string text = rapid_moves_module("192.168.125.1", 54700);
@@ -260,6 +296,13 @@ TEST(AbbRapidMoves, NamesAreDeclaredOnceAndBlocksAreClosed) {
   const std::regex ifs("\n *IF [^\n]* THEN(?=\n)");
   EXPECT_EQ(std::distance(std::sregex_iterator(text.begin(), text.end(), ifs), std::sregex_iterator()),
             count("ENDIF"));
+}
+
+/// As the runtime plans it: without this, the tool turns with the circle.
+TEST(AbbRapidMoves, ArcsTurnTheToolInTheObjectFrame) {
+  const std::string text = rapid_moves_module("192.168.125.1", 54700);
+  const std::size_t main = text.find("PROC main()"), end = text.find("ENDPROC", main);
+  EXPECT_LT(text.find("CirPathMode \\ObjectFrame;", main), end);
 }
 
 /// It reads and writes each byte of the messages, and knows what can be asked for.
