@@ -79,19 +79,34 @@ class Setup {
   std::string module() const { return options_.forward ? kMovesModule : kModuleName; }
   std::string module_file() const { return options_.forward ? kMovesFile : kModuleFile; }
   std::string module_text() const {
-    return options_.forward ? rapid_moves_module(options_.host, options_.moves_port)
+    return options_.forward ? rapid_moves_module(rws_->http().peer_address(), options_.moves_port)
                             : rapid_module(options_.rapid);
   }
   bool check_module() {
-    if (rws_->has_module(options_.task, module())) {
+    if (rws_->has_module(options_.task, module()))
       talk_.say("  the module " + module() + " is loaded in " + options_.task);
-      return true;
-    }
-    if (options_.forward && rws_->failure().cause == Cause::no_module)
+    else if (!say_missing() || !options_.install)
+      return false;
+    return !options_.install || install_module();
+  }
+  /// False: it is not known.
+  bool say_missing() {
+    const bool missing = rws_->failure().cause == Cause::no_module;
+    if (missing && options_.forward)
       talk_.say("  " + sentence(Cause::no_moves_module, 0, where(), options_.task));
     else
       say_failure();
-    if (!options_.install) return false;
+    return missing;
+  }
+  /// It replaces one of the same name.
+  bool install_module() {
+    const std::string other = options_.forward ? kModuleName : kMovesModule;
+    if (rws_->has_module(options_.task, other)) {
+      talk_.say("  the module " + other + " is loaded in " + options_.task +
+                ": unload it first, because each of them has a main");
+      return false;
+    }
+    if (rws_->failure().cause != Cause::no_module) return say_failure(), false;
     if (!talk_.agree("Write " + module_file() + " to the controller and load it into " + options_.task +
                      "? Its main() must be the only one there"))
       return false;
@@ -111,10 +126,11 @@ class Setup {
   }
   void say_device() {
     if (options_.forward)
-      return talk_.say("The module listens at " + options_.host + ", TCP port " +
-                       std::to_string(options_.moves_port) +
-                       ". Sockets need an option on IRC5 (616-1 PC Interface); allow the port in the "
-                       "controller's firewall.");
+      return talk_.say(
+          "The module listens at " + rws_->http().peer_address() + ", TCP port " +
+          std::to_string(options_.moves_port) +
+          ". IRC5: sockets need the option 616-1 PC Interface. OmniCore: enable RapidSockets for "
+          "this network (configuration topic Communication, Firewall Manager).");
     talk_.say(
         "On the controller, configuration topic Communication (RobotWare 6: UDPUC in Transmission Protocol; "
         "RobotWare 7: UDPUC Device), there must be: Name " +

@@ -123,7 +123,7 @@ std::string service_sentence(Cause cause, int detail, const std::string& where, 
              "` (1: IRC5, RobotWare 6; 2: OmniCore, RobotWare 7)";
     case Cause::old_software:
       return where + " has RobotWare " + text +
-             "; EGM of this driver needs 6.07.01 or newer: have the controller updated";
+             "; this driver needs 6.07.01 or newer: have the controller updated";
     case Cause::no_option:
       return where +
              " does not have Externally Guided Motion: the option is 689-1 (IRC5) or 3124-1 (OmniCore); buy "
@@ -276,10 +276,15 @@ std::string moves_sentence(Cause cause, int detail, const std::string& where, co
              "installs it";
     case Cause::moves_unreachable:
       return program + " is not reached: " + text +
-             "; check `moves_port`, the address in the module, and the option for sockets (PC Interface)";
+             "; check `moves_port`; IRC5: the option for sockets (PC Interface); OmniCore: RapidSockets, "
+             "which its "
+             "Firewall Manager must allow for this network; if the address in the module is another one, "
+             "install "
+             "it again with `polyarm setup abb --motion forward --install`";
     case Cause::moves_version:
       return program + " has version " + std::to_string(detail) +
-             ", another one than this driver: install it again with `polyarm setup abb --motion forward`";
+             ", another one than this driver: install it again with `polyarm setup abb --motion forward "
+             "--install`";
     case Cause::moves_silent:
       return program +
              " does not answer: check cable and power, and that no other client is connected to it; it takes "

@@ -124,6 +124,21 @@ TEST(AbbSetup, InstallsTheModuleOfForwardMode) {
   const Finished done = run_command(install);
   EXPECT_EQ(done.exit_code, 0) << done.output;
   EXPECT_EQ(run_command(line).exit_code, 0);
+  const Finished again = run_command(install);
+  EXPECT_EQ(again.exit_code, 0) << again.output;
+  EXPECT_NE(again.output.find("  loaded\n"), std::string::npos) << "it replaces an old one\n" << again.output;
+  std::vector<std::string> named = line;
+  named[3] = "localhost";
+  EXPECT_EQ(run_command(named).exit_code, 0);
+  EXPECT_NE(read_file(folder + "/PolyarmMoves.mod").find("\"127.0.0.1\""), std::string::npos)
+      << "SocketBind takes no name";
+  std::vector<std::string> other = install;
+  other.erase(std::find(other.begin(), other.end(), "--motion"),
+              std::find(other.begin(), other.end(), "--write"));
+  const Finished both = run_command(other);
+  EXPECT_EQ(both.exit_code, 1) << both.output;
+  EXPECT_NE(both.output.find("PolyarmMoves is loaded in T_ROB1: unload it first"), std::string::npos)
+      << both.output;
   far.signal(SIGTERM);
   EXPECT_EQ(far.wait().exit_code, 0);
 }
