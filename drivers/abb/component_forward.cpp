@@ -1,4 +1,6 @@
 /// The component in forward mode: the controller interpolates.
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <limits>
 
@@ -28,6 +30,17 @@ RapidLoad load_of(double mass, const std::string& text) {
   return out;
 }
 
+/// Single requests may be late.
+void check_times(double poll_ms, int watchdog_ms) {
+  constexpr double kReadings = 4;
+  if (watchdog_ms < kReadings * poll_ms)
+    throw Error("bad-value",
+                fmt::format("`watchdog_ms` is {} and `poll_ms` is {:g}: the program would end the session "
+                            "between two readings",
+                            watchdog_ms, poll_ms),
+                "make `watchdog_ms` at least four times `poll_ms`");
+}
+
 }  // namespace
 
 void AbbComponent::make_forward(const hardware::ComponentContext& context, hardware::DriverParameters& p) {
@@ -46,6 +59,7 @@ void AbbComponent::make_forward(const hardware::ComponentContext& context, hardw
   out.start_timeout = settings_.start_timeout;
   out.answer = nanoseconds(p.number("answer_ms") / 1000);
   p.problems().throw_if_errors();
+  check_times(p.number("poll_ms"), out.watchdog_ms);
   flange_ = out.frame.flange;
   readings_ = {};
   forward_ = std::make_unique<ForwardLink>(std::move(out));

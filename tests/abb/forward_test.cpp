@@ -206,8 +206,12 @@ TEST(AbbForward, AControllerThatCommandsJointsIsRefused) {
 }
 
 TEST(AbbForward, WrongParametersAreNamed) {
-  for (const auto& [name, value] : std::initializer_list<std::pair<std::string, std::string>>{
-           {"motion", "sideways"}, {"tool_centre", "1 2"}, {"tool_centre", "a b c"}, {"tool_mass", "0"}}) {
+  for (const auto& [name, value] :
+       std::initializer_list<std::pair<std::string, std::string>>{{"motion", "sideways"},
+                                                                  {"tool_centre", "1 2"},
+                                                                  {"tool_centre", "a b c"},
+                                                                  {"tool_mass", "0"},
+                                                                  {"poll_ms", "200"}}) {
     abb::AbbComponent component;
     Parameters parameters{{"host", "x"}, {"motion", "forward"}};
     parameters[name] = value;
