@@ -81,6 +81,7 @@ void FarMoves::finish() {
   if (!faults_.confirms_not) halted_ = halt_;
   if (std::exchange(closing_, false)) session_ = 0;
   stopping_ = false;
+  machine_.end_cycle();  // as ExitCycle
 }
 
 void FarMoves::leave() {

@@ -189,9 +189,9 @@ FarRws::Answer FarRws::get(const std::string& path) {
     return page("pnl-speedratio", "speedratio",
                 span("speedratio", std::to_string(std::lround(100 * machine_.speed_ratio))));
   if (path == "/rw/rapid/execution")
-    return page(
-        "rap-execution", "execution",
-        span("ctrlexecstate", machine_.program_runs() ? "running" : "stopped") + span("cycle", "once"));
+    return page("rap-execution", "execution",
+                span("ctrlexecstate", machine_.program_runs() ? "running" : "stopped") +
+                    span("cycle", machine_.runs_once() ? "once" : "forever"));
   const std::string options =
       "<ul><li class=\"sys-option-li\" title=\"0\">" + span("option", "RobotWare Base") + "</li>" +
       (faults_.no_option ? ""
@@ -244,7 +244,8 @@ FarRws::Answer FarRws::change_panel(const std::string& path, const std::string& 
 
 FarRws::Answer FarRws::change_program(const std::string& action, const std::string& form) {
   if (action == "start")
-    return done(faults_.refuse_start ? "Operation not allowed: start" : machine_.start_program());
+    return done(faults_.refuse_start ? "Operation not allowed: start"
+                                     : machine_.start_program(wire::form_value(form, "cycle") == "once"));
   if (action == "stop") {
     machine_.stop_program("stop of Robot Web Services");
     return {204, ""};

@@ -120,7 +120,7 @@ bool ForwardLink::start() {
   halt_threads();
   const std::lock_guard lock(rws_mutex_);
   const bool ready = begin_services() && check_panel();
-  const bool fine = ready && begin_program() && connect_program() && begin_moves();
+  const bool fine = ready && begin_program(true) && connect_program() && begin_moves();
   if (fine) {
     end_asked_ = false;
     percent_ = -1;

@@ -111,7 +111,7 @@ bool Link::start() {
   if (fine) {
     phase_ = Phase::starting;
     run_egm();
-    fine = begin_program() && await_running();
+    fine = begin_program(false) && await_running();
   }
   if (!fine) {
     const auto why = refused_.value();

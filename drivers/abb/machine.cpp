@@ -158,12 +158,19 @@ std::string Machine::reset_pointer() {
   return {};
 }
 
-std::string Machine::start_program() {
+std::string Machine::start_program(bool once) {
   if (running_) return "The program runs already";
   if (!motors_ || mode_ != Mode::automatic) return "Motors are not on in automatic mode";
   if (!options_.modules.contains(kModuleName) && !options_.modules.contains(kMovesModule))
     return "Unknown procedure main";
+  once_ = once;
   return begin_at_main() ? "" : "The program pointer is not set";
+}
+
+void Machine::end_cycle() {
+  if (!once_ || !running_) return;
+  stop_program("the cycle ended");
+  pointer_at_main_ = true;
 }
 
 bool Machine::begin_at_main() {

@@ -66,7 +66,8 @@ class Machine {
   // What Robot Web Services and the panel do. Each returns what is wrong; empty: done.
   std::string switch_motors(bool on);
   std::string reset_pointer();
-  std::string start_program();
+  /// `once`: its main is run a single time.
+  std::string start_program(bool once = false);
   void stop_program(const std::string& why = "");
   std::string set_signal(const std::string& name, bool on);
 
@@ -81,6 +82,9 @@ class Machine {
   bool makes_moves() const { return moves_; }
   /// Somebody presses Start at the FlexPendant: a program that was stopped goes on, with its path.
   void press_start();
+  /// main ended, by itself or by ExitCycle.
+  void end_cycle();
+  bool runs_once() const { return once_; }
 
   /// A message of EGM for the robot.
   void take(const EgmSensor& message);
@@ -133,7 +137,7 @@ class Machine {
   Six q_, v_{}, reference_{}, speed_{};
   double time_ = 0, jump_ = 0, fastest_ = 0, since_begin_ = 0, since_message_ = 0, since_run_ = 0, ramp_ = 0;
   std::optional<Six> next_;
-  bool moves_ = false;
+  bool moves_ = false, once_ = false;
   bool motors_ = true, emergency_ = false, guard_ = false, failed_ = false, running_ = false;
   bool referenced_ = false, converged_ = false, collided_ = false, pointer_at_main_ = true;
   Mode mode_ = Mode::automatic;

@@ -11,8 +11,6 @@ namespace polyarm::abb {
 
 namespace {
 
-constexpr const char* kStart =
-    "regain=continue&execmode=continue&cycle=once&condition=none&stopatbp=disabled&alltaskbytsp=false";
 constexpr std::size_t kMostValue = 4096;
 
 /// The five entities of XML.
@@ -251,8 +249,11 @@ bool Rws::reset_pointer() {
   });
 }
 
-bool Rws::start_program() {
-  return post(second() ? "/rw/rapid/execution/start" : "/rw/rapid/execution?action=start", kStart,
+bool Rws::start_program(bool forever) {
+  const std::string cycle = forever ? "forever" : "once";
+  return post(second() ? "/rw/rapid/execution/start" : "/rw/rapid/execution?action=start",
+              "regain=continue&execmode=continue&cycle=" + cycle +
+                  "&condition=none&stopatbp=disabled&alltaskbytsp=false",
               "to start the program");
 }
 

@@ -65,7 +65,7 @@ class Rws {
   bool has_module(const std::string& task, const std::string& module);
   bool motors(bool on);
   bool reset_pointer();
-  bool start_program();
+  bool start_program(bool forever = false);
   bool stop_program();
   bool set_speed_ratio(double share);
   std::optional<bool> signal(const std::string& name);

@@ -104,9 +104,9 @@ bool RwsLink::switch_motors_on() {
   }
 }
 
-bool RwsLink::begin_program() {
+bool RwsLink::begin_program(bool forever) {
   if (!rws_.reset_pointer()) return refuse_rws();
-  if (rws_.start_program()) return true;
+  if (rws_.start_program(forever)) return true;
   const Rws::Failure why = rws_.failure();
   return why.cause == Cause::rws_refused || why.cause == Cause::forbidden
              ? refuse(Cause::start_refused, 0, why.text)

@@ -68,8 +68,8 @@ class RwsLink : public wire::LinkBase<Cause> {
   bool read_first();
   /// What a person has to change first; motors are switched on, and a program that runs is stopped.
   bool check_panel();
-  /// The program begins at its main.
-  bool begin_program();
+  /// The program begins at its main; `forever`: it begins again whenever it ends.
+  bool begin_program(bool forever);
   /// The event log first, then `otherwise`.
   bool refuse_why(Cause otherwise, const std::string& text = {});
   /// What was wanted and seen before counts no more.

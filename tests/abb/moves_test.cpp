@@ -93,6 +93,33 @@ TEST(AbbMoves, WithoutRequestsTheProgramStopsTheRobotAndEndsTheSession) {
   EXPECT_EQ(session.ask(MoveDo::move, 2, number, session.turn(10)).result, MoveResult::no_session);
 }
 
+/// ExitCycle ends a program that was started for a single cycle.
+TEST(AbbMoves, AHaltEndsAProgramThatWasStartedForOneCycle) {
+  for (const bool once : {false, true}) {
+    Session session;
+    session.far.order("stop");
+    session.far.with([&](Machine& m) { return m.reset_pointer(), m.start_program(once); });
+    const int number = session.ask(MoveDo::begin, 0, 8000).session;
+    session.ask(MoveDo::move, 1, number, session.turn(100));
+    session.steps(120);
+    session.ask(MoveDo::halt, 1, number);
+    session.expect_rest("halted");
+    EXPECT_EQ(session.far.with([](Machine& m) { return m.program_runs(); }), !once);
+  }
+}
+
+/// Its main may begin again for as long as the driver wants moves. EGM's runs once.
+TEST(AbbMoves, TheDriverStartsTheProgramForAnyNumberOfCycles) {
+  for (const int version : {1, 2}) {
+    ForwardRig rig(Parameters{{"rws", std::to_string(version)}});
+    ASSERT_TRUE(begins(rig));
+    EXPECT_FALSE(rig.far().with([](Machine& m) { return m.runs_once(); })) << version;
+    AbbRig stream(Parameters{{"rws", std::to_string(version)}});
+    ASSERT_TRUE(stream.start());
+    EXPECT_TRUE(stream.far().with([](Machine& m) { return m.runs_once(); })) << version;
+  }
+}
+
 /// A stopped program goes on with its path at Start; behind a new start of main nothing is left.
 TEST(AbbMoves, AProgramThatBeginsAtItsMainHasNoMoves) {
   Session session;
