@@ -194,6 +194,7 @@ bool FarMovePort::is_first(const Client& client) {
 /// False: the connection is of no use.
 bool FarMovePort::take(Client& client) {
   while (client.bytes.size() >= kMoveRequestBytes) {
+    if (faults_.slow_stop && moves_.slows_down()) return true;
     const auto request = decode_move_request(wire::Bytes(client.bytes).first(kMoveRequestBytes));
     client.bytes.erase(client.bytes.begin(), client.bytes.begin() + kMoveRequestBytes);
     if (!request) return false;

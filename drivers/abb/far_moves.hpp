@@ -20,6 +20,7 @@ struct MoveFaults {
   bool other_version = false;
   bool other_base = false;  ///< its world frame is not the base of the robot
   bool fails = false;       ///< the next move cannot be made
+  bool slow_stop = false;   ///< it answers nothing while the robot comes to rest
 };
 
 /// The session. The pace takes forward::PathPlayer::kPaceRamp from 0 to 1. A joint that exceeds its speed or
@@ -37,6 +38,8 @@ class FarMoves {
   /// One cycle; the machine moves after it.
   void step(double dt);
   bool is_open() const { return session_ > 0 && !closing_; }
+  /// The robot comes to rest.
+  bool slows_down() const { return (stopping_ || pace_ == 0) && !machine_.still(); }
   const RapidLoad& load() const { return load_; }
 
  private:

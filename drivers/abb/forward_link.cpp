@@ -2,7 +2,9 @@
 #include "drivers/abb/forward_link.hpp"
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
+#include <mutex>
 
 #include "drivers/wire/six_axes.hpp"
 #include "polyarm/realtime/periodic.hpp"
@@ -53,21 +55,22 @@ bool ForwardLink::ask(const MoveRequest& request) {
   return !fault_;
 }
 
-/// A program that was stopped does not answer: the controller says so sooner than the time is over.
+/// A program that was stopped does not answer: the controller says so sooner than the time is over. An answer
+/// that came while the controller was asked counts, however long that took.
 std::optional<MoveReply> ForwardLink::await_reply() {
   const Nanoseconds deadline = realtime::monotonic_now() + settings_.answer;
-  for (Nanoseconds left = settings_.answer; left > 0; left = deadline - realtime::monotonic_now()) {
-    if (auto reply = port_.await_reply(std::min(left, kSuspicious))) return reply;
-    if (port_.failure().cause != Cause::none) return std::nullopt;
-    if (is_stopped()) return std::nullopt;
+  while (true) {
+    const Nanoseconds left = deadline - realtime::monotonic_now();
+    if (auto reply = port_.await_reply(std::clamp(left, kLeastLook, kSuspicious))) return reply;
+    if (port_.failure().cause != Cause::none || left <= 0 || is_stopped()) return std::nullopt;
   }
-  return std::nullopt;
 }
 
-/// False also if Robot Web Services do not answer. A program that runs may be slow; warnings in the event log
-/// do not stop it.
+/// False also if Robot Web Services do not answer, or if others use them now. A program that runs may be
+/// slow; warnings in the event log do not stop it.
 bool ForwardLink::is_stopped() {
-  const std::lock_guard lock(rws_mutex_);
+  const std::unique_lock lock(rws_mutex_, std::try_to_lock);
+  if (!lock) return false;
   RwsState state;
   if (!rws_.read_state(state)) return false;
   return state.program != "running" || cause_of_state(state.control, state.mode) != Cause::none;
@@ -77,10 +80,10 @@ bool ForwardLink::is_stopped() {
 void ForwardLink::lose(Cause otherwise) {
   Rws::Failure why;
   {
-    const std::lock_guard lock(rws_mutex_);
+    const std::unique_lock lock(rws_mutex_, kOthers);
     RwsState state;
-    const bool reached = rws_.read_state(state);
-    if (!reached && otherwise != Cause::moves_bad_data) why = rws_.failure();
+    const bool reached = lock && rws_.read_state(state);
+    if (lock && !reached && otherwise != Cause::moves_bad_data) why = rws_.failure();
     if (reached && is_stopped()) why = find_why(Sign::silence);
   }
   if (why.cause == Cause::none) why = {otherwise, 0, ""};

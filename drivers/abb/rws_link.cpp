@@ -247,8 +247,8 @@ void RwsLink::run_services() {
     if (left > 0 && wire::wait_readable(services_wake_.number(), left)) calm(services_wake_.number());
     say_why();
     if (services_quit_ || stepped_ || realtime::monotonic_now() < due) continue;
-    due = realtime::monotonic_now() + kRound;
     if (!fault_) serve_services();
+    due = realtime::monotonic_now() + kRound;  // behind the round: others get the client in between
   }
 }
 

@@ -89,7 +89,7 @@ class RwsLink : public wire::LinkBase<Cause> {
   /// When the controller does not say why.
   virtual Cause vague_cause() const = 0;
 
-  std::recursive_mutex
+  std::recursive_timed_mutex
       rws_mutex_;  // the client, and what belongs to it; never the control thread's, nor that of motion
   Rws rws_;
   Panel current_panel_;

@@ -233,6 +233,40 @@ TEST(AbbForward, ARobotThatIsJoggedBeforeActivatingIsShown) {
   EXPECT_NEAR(alone.states[0], from + 2 * kDegree, 1e-5);
 }
 
+/// A trap that stands in StopMove serves nothing until the robot stands. Signals keep Robot Web Services
+/// busy.
+TEST(AbbForward, AProgramThatAnswersLateWhileTheRobotStopsKeepsTheLink) {
+  FreeClock alone({{"answer_ms", "2000"}, {"digital_out", "doA"}, {"digital_in", "diA"}});
+  ASSERT_TRUE(alone.start()) << alone.component.reason();
+  hardware::ForwardMoves& moves = *alone.component.forward_moves(hardware::kForwardLayout);
+  const std::vector<double> commands(alone.component.command_interfaces().size(), std::nan(""));
+  const auto passes_until = [&](double pace, auto fulfilled) {
+    for (int i = 0; i < 20'000; ++i) {
+      alone.component.await_cycle(60'000'000'000);
+      alone.cycle.time += alone.cycle.period;
+      moves.set_pace(pace);
+      if (alone.component.read(alone.cycle, alone.states) != ReturnType::ok ||
+          alone.component.write(alone.cycle, commands) != ReturnType::ok)
+        return false;
+      if (fulfilled()) return true;
+    }
+    return false;
+  };
+  ASSERT_TRUE(passes_until(1, [] { return true; }));
+  const ForwardMove move = turn_from(alone.states, 2, abb_chain(), 1.5);
+  alone.far.order("slow_stop");
+  ASSERT_TRUE(moves.accept(move));
+  const double start = alone.states[0];
+  for (int hold = 1; hold <= 3; ++hold) {
+    ASSERT_TRUE(passes_until(1, [&] { return alone.states[0] > start + 0.3 * hold; }))
+        << hold << alone.component.reason();
+    ASSERT_TRUE(passes_until(0, [&] { return moves.flow().standing; })) << hold << alone.component.reason();
+  }
+  EXPECT_LT(alone.states[0], move.joints[0] - 0.01);
+  ASSERT_TRUE(passes_until(1, [&] { return moves.flow().idle; })) << alone.component.reason();
+  EXPECT_NEAR(alone.states[0], move.joints[0], 1e-3);
+}
+
 /// The controller's clock runs by itself, as a robot's does.
 TEST(AbbForward, OnAFreeClockMovesArriveAndTheLoopNeitherAllocatesNorLocks) {
   FreeClock alone;
