@@ -23,3 +23,26 @@ it('does not mix the samples of two robots, nor those of two cells', () => {
   open('/cells/a', ['left', 'ur/ur5e']);
   expect(poses.value).toEqual([1, 2]);
 });
+
+it('gives an answer that comes late to the robot that was asked', () => {
+  const poses = ofRobot<number[]>([]);
+  open('/cells/a', ['left', 'ur/ur5e'], ['right', 'fanuc/lrmate']);
+  robotName.value = 'left';
+  const mine = poses.mine();
+  robotName.value = 'right';
+  poses.value = [9];
+  mine.value = [...mine.value, 1];
+  expect(poses.value).toEqual([9]);
+  robotName.value = 'left';
+  expect([poses.value, mine.value]).toEqual([[1], [1]]);
+});
+
+it('lets every wizard write an answer of the cell through the robot that was asked', () => {
+  const wizards = import.meta.glob('../src/pages/points/*Wizard.tsx', { query: '?raw', import: 'default', eager: true }) as Record<string, string>;
+  expect(Object.keys(wizards).length).toBe(3);
+  for (const text of Object.values(wizards)) {
+    expect(text.match(/\.mine\(\)/g)?.length).toBe(2);
+    expect(text).not.toMatch(/(?:\.then\(.*|\[)(?:touches|toolPoses|sightings)\.value/);
+    expect(text).toMatch(/disabled=\{saving \|\|/);
+  }
+});

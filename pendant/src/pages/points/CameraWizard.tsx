@@ -48,17 +48,24 @@ export function CameraWizard({ onClose }: { onClose: () => void }) {
       current = false;
     };
   }, [taken, place, args.robot]);
-  const take = () =>
-    request('points.sighting', { marker, robot: args.robot }).then((seen) => {
+  const take = () => {
+    const mine = sightings.mine();
+    return request('points.sighting', { marker, robot: robot.value?.name ?? '' }).then((seen) => {
       setOld(seen.age > kOld ? seen.age : 0);
-      sightings.value = [...sightings.value, { flange: seen.flange, marker: seen.marker }];
+      mine.value = [...mine.value, { flange: seen.flange, marker: seen.marker }];
     }, complain);
+  };
   const exists = values.value.some((each) => each.name === name);
   const nameProblem = name !== '' && !goodName(name) ? t('points.badName') : exists ? t('points.exists') : '';
+  const [saving, setSaving] = useState(false);
   const save = async () => {
-    if (!(await changePoints('points.camera', args))) return;
+    const mine = sightings.mine();
+    setSaving(true);
+    const saved = await changePoints('points.camera', args);
+    setSaving(false);
+    if (!saved) return;
     onClose();
-    [sightings.value, waiting.value] = [[], null];
+    [mine.value, waiting.value] = [[], null];
     toast({ kind: 'ok', text: t('points.cSaved', { name }) });
   };
   return (
@@ -70,7 +77,7 @@ export function CameraWizard({ onClose }: { onClose: () => void }) {
         <>
           <MoveButton kind="camera" />
           <Button label={t('points.cTake', { number: taken.length + 1 })} icon="eye" tone={taken.length < kLeast ? 'primary' : 'plain'} disabled={marker === ''} onClick={() => void take()} />
-          <Button label={t('points.cSave')} icon="save" tone="primary" disabled={!answer || answer.outlier !== undefined || name === '' || nameProblem !== '' || !mayProgram.value} onClick={() => void save()} />
+          <Button label={t('points.cSave')} icon="save" tone="primary" disabled={saving || !answer || answer.outlier !== undefined || name === '' || nameProblem !== '' || !mayProgram.value} onClick={() => void save()} />
         </>
       }
     >

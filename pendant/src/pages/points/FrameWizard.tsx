@@ -46,14 +46,21 @@ export function FrameWizard({ onClose }: { onClose: () => void }) {
       current = false;
     };
   }, [touched]);
-  const touch = (i: number) =>
-    request('points.here', { robot: robot.value?.name ?? '' }).then((here) => (touches.value = touches.value.map((old, k) => (k === i ? here.tcp.p : old))), complain);
+  const touch = (i: number) => {
+    const mine = touches.mine();
+    return request('points.here', { robot: robot.value?.name ?? '' }).then((here) => (mine.value = mine.value.map((old, k) => (k === i ? here.tcp.p : old))), complain);
+  };
   const taken = values.value.some((each) => each.name === name);
   const nameProblem = name !== '' && !goodName(name) ? t('points.badName') : taken ? t('points.exists') : '';
+  const [saving, setSaving] = useState(false);
   const save = async () => {
-    if (!(await changePoints('points.frame', args))) return;
+    const mine = touches.mine();
+    setSaving(true);
+    const saved = await changePoints('points.frame', args);
+    setSaving(false);
+    if (!saved) return;
     onClose();
-    [touches.value, waiting.value] = [kNoTouches, null];
+    [mine.value, waiting.value] = [kNoTouches, null];
     toast({ kind: 'ok', text: t('points.fSaved', { name }) });
   };
   return (
@@ -64,7 +71,7 @@ export function FrameWizard({ onClose }: { onClose: () => void }) {
       actions={
         <>
           <MoveButton kind="frame" />
-          <Button label={t('points.fSave')} icon="save" tone="primary" disabled={!answer || name === '' || nameProblem !== '' || !mayProgram.value} onClick={() => void save()} />
+          <Button label={t('points.fSave')} icon="save" tone="primary" disabled={saving || !answer || name === '' || nameProblem !== '' || !mayProgram.value} onClick={() => void save()} />
         </>
       }
     >

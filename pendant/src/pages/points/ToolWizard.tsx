@@ -39,13 +39,21 @@ export function ToolWizard({ onClose }: { onClose: () => void }) {
       current = false;
     };
   }, [poses]);
-  const touch = () => request('points.here', { robot: robot.value?.name ?? '' }).then((here) => (toolPoses.value = [...toolPoses.value, here.flange]), complain);
+  const touch = () => {
+    const mine = toolPoses.mine();
+    return request('points.here', { robot: robot.value?.name ?? '' }).then((here) => (mine.value = [...mine.value, here.flange]), complain);
+  };
   const taken = values.value.some((each) => each.name === name);
   const nameProblem = name !== '' && !goodName(name) ? t('points.badName') : taken ? t('points.exists') : '';
+  const [saving, setSaving] = useState(false);
   const save = async () => {
-    if (!(await changePoints('points.tool', { name, poses }))) return;
+    const mine = toolPoses.mine();
+    setSaving(true);
+    const saved = await changePoints('points.tool', { name, poses });
+    setSaving(false);
+    if (!saved) return;
     onClose();
-    [toolPoses.value, waiting.value] = [[], null];
+    [mine.value, waiting.value] = [[], null];
     toast({ kind: 'ok', text: t('points.tSaved', { name }) });
   };
   const rows = Math.max(kLeast, poses.length + 1);
@@ -58,7 +66,7 @@ export function ToolWizard({ onClose }: { onClose: () => void }) {
         <>
           <MoveButton kind="tool" />
           <Button label={t('points.take', { what: t('points.tPose', { number: poses.length + 1 }) })} icon="pin" tone={poses.length < kLeast ? 'primary' : 'plain'} onClick={() => void touch()} />
-          <Button label={t('points.tSave')} icon="save" tone="primary" disabled={!answer || answer.largest > kGood || name === '' || nameProblem !== '' || !mayProgram.value} onClick={() => void save()} />
+          <Button label={t('points.tSave')} icon="save" tone="primary" disabled={saving || !answer || answer.largest > kGood || name === '' || nameProblem !== '' || !mayProgram.value} onClick={() => void save()} />
         </>
       }
     >
