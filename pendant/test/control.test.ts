@@ -88,3 +88,37 @@ it('does not take control much later', async () => {
   await settle();
   expect([page.youHold.value, holder]).toEqual([false, null]);
 });
+
+const reconnect = async () => {
+  last().close();
+  await settle();
+  last().status();
+  await settle();
+};
+
+it('does not take what somebody else had at the greeting and releases later', async () => {
+  holder = { client: 9, name: 'tablet' };
+  await reconnect();
+  holder = null;
+  last().status();
+  await settle();
+  expect([page.youHold.value, holder]).toEqual([false, null]);
+});
+
+it('does not take what somebody else has had since, although no event said so', async () => {
+  for (const now of [{ client: 9, name: 'tablet' }, null]) {
+    holder = now;
+    last().status();
+    await settle();
+  }
+  expect([page.youHold.value, holder]).toEqual([false, null]);
+});
+
+it('takes control again after a second loss, too', async () => {
+  await reconnect();
+  expect(page.youHold.value).toBe(false);
+  holder = null;
+  last().status();
+  await settle();
+  expect([page.youHold.value, holder]).toEqual([true, { client: last().client, name: 'page' }]);
+});

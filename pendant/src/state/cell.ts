@@ -179,10 +179,12 @@ effect(() => {
  * that the old connection is gone.
  */
 let takesUntil = 0;
+/** The number that this page had when it had control; the cell may count it as connected for some time. */
+let former = -1;
 const kTakesWithinMs = 30_000;
 const waitsForControl = () => performance.now() < takesUntil;
 
-async function greet(): Promise<void> {
+async function greet(before = waitsForControl() ? former : client.peek()): Promise<void> {
   const again = greeted, hadControl = heldBefore;  // copies, because answers and events change both
   try {
     const hello = await request('session.hello', { name: settings.clientName.value });
@@ -198,10 +200,11 @@ async function greet(): Promise<void> {
     // connection the page that had control takes it again, and the others only watch.
     const takes = mayTake.value && settings.takeWhenFree.value && (!again || hadControl);
     if (takes && !holder.value) await takeControl(false);
-    takesUntil = takes && again && !youHold.value ? performance.now() + kTakesWithinMs : 0;
+    takesUntil = takes && again && !youHold.value && holder.value?.client === before ? performance.now() + kTakesWithinMs : 0;
+    former = before;
     settled.value = true;
   } catch (error) {
-    if (isLate(error)) return greet();
+    if (isLate(error)) return greet(before);
     if (link.value === 'open') complain(error);
   }
 }
@@ -285,9 +288,9 @@ const events: Record<string, (event: Event) => void> = {
       waiting.value = null;
     else
       asked.value = null;
-    if (!next.holder && waitsForControl()) {
+    if (waitsForControl() && next.holder?.client !== former) {
       takesUntil = 0;
-      void takeControl(false);
+      if (!next.holder) void takeControl(false);
     }
     if (lastOld < 0) lastOld = Number(e.alarms ?? 0);
     if (!next.program || next.program.ended || next.program.paused) pausing.value = false;
