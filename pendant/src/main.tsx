@@ -5,7 +5,7 @@ import './style/base.css';
 import './style/controls.css';
 import './style/shell.css';
 import { tablesLoaded } from './i18n/told';
-import { languageLoaded } from './i18n';
+import { languageTried } from './i18n';
 import { App } from './shell/App';
 import { startDrops } from './shell/drops';
 import { startKeys } from './shell/keys';
@@ -19,10 +19,8 @@ startDrops();
 connect();
 // The 3D picture is a large chunk: it is loaded in parallel with the page that shows it.
 if (['run', 'move'].includes(pageId.peek())) import('./view3d/picture').catch(() => undefined);
-// The first picture is in the user's language; in English if its table cannot be had, until there is a connection.
-void languageLoaded()
-  .catch(() => undefined)
-  .then(() => render(<App />, document.getElementById('app')!));
+// The first picture is in the user's language; in English if its table does not come soon, and until it comes.
+void languageTried(2000).then(() => render(<App />, document.getElementById('app')!));
 effect(() => {
   if (connected.value) void tablesLoaded().catch(() => undefined);
 });

@@ -32,3 +32,19 @@ it('speaks English, numbers too, until the wanted table is there', async () => {
   await languageLoaded();
   expect([language.value, t('bar.resume'), number(-1.5, 1)]).toEqual(['es', 'Reanudar', '−1,5']);
 });
+
+it('does not wait for a table that does not come', async () => {
+  vi.resetModules();
+  vi.doMock('../src/i18n/es', () => new Promise(() => undefined));
+  vi.useFakeTimers();
+  const { language, languageTried } = await import('../src/i18n');
+  let over = false;
+  const tried = languageTried(2000).then(() => (over = true));
+  await vi.advanceTimersByTimeAsync(1000);
+  expect(over).toBe(false);
+  await vi.advanceTimersByTimeAsync(1500);
+  await tried;
+  expect([over, language.value]).toEqual([true, 'en']);
+  vi.useRealTimers();
+  expect(sources['../src/main.tsx']).toMatch(/languageTried\(\d+\)\.then\(\(\) => render\(/);
+});

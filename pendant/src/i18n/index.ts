@@ -33,6 +33,11 @@ export async function languageLoaded(): Promise<void> {
   const table = await kLoads[id]();
   loaded.value = { ...loaded.peek(), [id]: table };
 }
+/** Ends when the table is there or cannot be had, at the latest after `ms`: a page without words would have no Stop. */
+export async function languageTried(ms: number): Promise<void> {
+  const late = new Promise<void>((end) => setTimeout(end, ms));
+  await Promise.race([languageLoaded().catch(() => undefined), late]);
+}
 effect(() => void languageLoaded().catch(() => undefined));
 
 /** The text of `key`, with {names} filled in. `{count:step|steps}` is the first word if `count` is 1, else the second. */
