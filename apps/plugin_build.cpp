@@ -196,11 +196,11 @@ Workspace open_workspace(const std::string& path, const ros_packages::Kit& kit, 
   const auto replaced = [&](const Package& p) { return kit.replaces(p.name); };
   out.asked = ros_packages::find_packages(path, problems);
   if (out.asked.size() > 1) std::erase_if(out.asked, replaced);
-  for (const Package& each : out.asked) ros_packages::check_bases(each, problems);
   out.all = out.asked;
   if (out.asked.size() == 1)
     for (Package& beside : ros_packages::packages_beside(out.asked.front(), problems))
       if (!replaced(beside)) out.all.push_back(std::move(beside));
+  for (const Package& each : out.asked) ros_packages::check_bases(each, out.all, problems);
   return out;
 }
 

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <set>
 #include <sstream>
+#include <string_view>
 
 #include "polyarm/base/file.hpp"
 #include "polyarm/base/printable.hpp"
@@ -319,18 +320,45 @@ std::vector<PluginClass> plugin_classes(const Package& package) {
   return out;
 }
 
-void check_bases(const Package& package, Problems& problems) {
-  static const std::vector<std::string> known{
-      "hardware_interface::SystemInterface", "hardware_interface::ActuatorInterface",
-      "hardware_interface::SensorInterface", "controller_interface::ControllerInterface",
-      "controller_interface::ChainableControllerInterface"};
+namespace {
+/// True if so many letters added, left out or replaced make `b` of `a`.
+bool within_edits(std::string_view a, std::string_view b, int edits) {
+  while (!a.empty() && !b.empty() && a[0] == b[0]) a.remove_prefix(1), b.remove_prefix(1);
+  if (a.empty() && b.empty()) return true;
+  if (edits == 0) return false;
+  const std::string_view less_a = a.substr(a.empty() ? 0 : 1), less_b = b.substr(b.empty() ? 0 : 1);
+  return within_edits(less_a, less_b, edits - 1) || (!a.empty() && within_edits(less_a, b, edits - 1)) ||
+         (!b.empty() && within_edits(a, less_b, edits - 1));
+}
+
+/// The base class of hardware or controllers that `base` misspells; empty: none.
+std::string misspelled_base(std::string_view base) {
+  constexpr int kSlips = 2;  // more make another package's name, as my_hardware_interface, or another class
+  const auto colons = base.find("::");
+  if (colons == std::string_view::npos) return {};
+  for (const std::string_view known :
+       {"hardware_interface::SystemInterface", "hardware_interface::ActuatorInterface",
+        "hardware_interface::SensorInterface", "controller_interface::ControllerInterface",
+        "controller_interface::ChainableControllerInterface"}) {
+    const auto end = known.find("::");
+    if (within_edits(base.substr(0, colons), known.substr(0, end), kSlips) &&
+        within_edits(base.substr(colons + 2), known.substr(end + 2), kSlips))
+      return std::string(known);
+  }
+  return {};
+}
+}  // namespace
+
+void check_bases(const Package& package, const std::vector<Package>& all, Problems& problems) {
   for (const PluginClass& each : described_classes(package)) {
     if (each.is_hardware() || each.is_controller()) continue;
-    if (const auto meant = nearest_name(each.base, known))
+    const std::string space = each.base.substr(0, each.base.find("::"));
+    if (std::any_of(all.begin(), all.end(), [&](const Package& p) { return p.name == space; })) continue;
+    if (const std::string meant = misspelled_base(each.base); !meant.empty())
       problems.warning(
           "bad-base", each.where,
           "the base class '" + each.base + "' of " + each.name + " does not exist; the class is left out",
-          "write base_class_type=\"" + *meant + "\" if this is meant");
+          "write base_class_type=\"" + meant + "\" if this is meant");
   }
 }
 

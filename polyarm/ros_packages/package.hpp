@@ -59,8 +59,8 @@ struct PluginClass {
 /// The hardware and the controllers of the package's plugin description files, in order of files and lines.
 std::vector<PluginClass> plugin_classes(const Package& package);
 /// Warns of each class whose base class is a misspelled one of hardware or controllers: plugin_classes leaves
-/// it out.
-void check_bases(const Package& package, Problems& problems);
+/// it out. A base class of one of `all` is another class.
+void check_bases(const Package& package, const std::vector<Package>& all, Problems& problems);
 /// Its classes that plugins load while they run, filters and kinematics: those whose base class belongs to
 /// one of `bases`, names of packages.
 std::vector<PluginClass> helper_classes(const Package& package, const std::vector<const Package*>& bases);

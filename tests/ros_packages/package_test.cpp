@@ -139,14 +139,16 @@ TEST(PluginDescription, NamesClassesTheirLibraryAndTheirBase) {
 
 TEST(PluginDescription, WithAMisspelledBaseClassIsNamed) {
   const test::Folder place;
-  const auto warnings = [&](const std::string& base) {
+  const auto warnings = [&](const std::string& base, const std::string& beside = "other") {
     std::string text = kPlugin;
     const std::string written = "hardware_interface::SystemInterface";
     text.replace(text.find(written), written.size(), base);
     place.write("package.xml", manifest("acme"));
     place.write("acme.xml", text);
     Problems problems;
-    check_bases(read_package(place.path() / "package.xml"), problems);
+    place.write("beside/package.xml", manifest(beside));
+    check_bases(read_package(place.path() / "package.xml"),
+                {read_package(place.path() / "beside/package.xml")}, problems);
     return problems.list();
   };
   ASSERT_EQ(warnings("controller_iAnterface::ControllerInterface").size(), 1u);
@@ -157,6 +159,11 @@ TEST(PluginDescription, WithAMisspelledBaseClassIsNamed) {
   EXPECT_TRUE(warnings("hardware_interface::SystemInterface").empty());
   EXPECT_TRUE(warnings("filters::FilterBase&lt;double&gt;").empty());
   EXPECT_TRUE(warnings("acme::Driver").empty());
+  for (const char* exists : {"my_hardware_interface::ToolInterface", "my_hardware_interface::SystemInterface",
+                             "robot_interface::SystemInterface", "controller_interface::ControllerBase"})
+    EXPECT_TRUE(warnings(exists).empty()) << exists;
+  EXPECT_EQ(warnings("hardware_interfaces::SystemInterface").size(), 1u);
+  EXPECT_TRUE(warnings("hardware_interfaces::SystemInterface", "hardware_interfaces").empty());
 }
 
 TEST(Interfaces, AreNamedAsRosNamesTheirFiles) {
