@@ -48,8 +48,7 @@ class WaitSet {
   void remove_timer(const TimerBase::SharedPtr& timer) { remove(timers_, timer, "timer"); }
 
   /// Negative: for ever; on a thread that serves the graph, as in on_configure of a controller, 1 s: what
-  /// comes from the graph does not arrive while that thread waits. Throws std::runtime_error if the set is
-  /// empty.
+  /// comes from the graph does not arrive while that thread waits. Empty if the set has nothing to wait for.
   template <typename Rep = long, typename Ratio = std::milli>
   WaitResult<WaitSet> wait(
       std::chrono::duration<Rep, Ratio> timeout = std::chrono::duration<Rep, Ratio>(-1)) {
@@ -57,7 +56,7 @@ class WaitSet {
     if (span.count() < 0 && polyarm_ros::serves_graph()) span = std::chrono::seconds(1);
     const auto end = std::chrono::steady_clock::now() + span;
     while (ok()) {
-      if (ready()) return WaitResult<WaitSet>(Ready, this);
+      if (const WaitResultKind now = state(); now != Timeout) return WaitResult<WaitSet>(now, this);
       if (span.count() >= 0 && std::chrono::steady_clock::now() >= end) break;
       std::this_thread::sleep_for(std::chrono::milliseconds(1));
     }
@@ -80,14 +79,14 @@ class WaitSet {
     if (found == all.end()) throw std::runtime_error(std::string(kind) + " not in wait set");
     all.erase(found);
   }
-  bool ready() {
+  WaitResultKind state() {
     const std::lock_guard lock(mutex_);
-    if (subscriptions_.empty() && timers_.empty()) throw std::runtime_error("the wait set is empty");
+    if (subscriptions_.empty() && timers_.empty()) return Empty;
     for (const auto& each : subscriptions_)
-      if (each->has_message()) return true;
+      if (each->has_message()) return Ready;
     for (const auto& each : timers_)
-      if (each->is_ready()) return true;
-    return false;
+      if (each->is_ready()) return Ready;
+    return Timeout;
   }
   std::mutex mutex_;
   std::vector<std::shared_ptr<SubscriptionBase>> subscriptions_;
