@@ -114,6 +114,37 @@ TEST(SaturationLimiter, AllocatesNothingInACycle) {
   EXPECT_EQ(allocations, 0u);
 }
 
+template <class Limiter>
+void expect_no_allocation_with_a_long_name() {
+  Limiter limiter;
+  const std::string name = "left_arm_wrist_rotation_joint";
+  joint_limits::SoftJointLimits soft;
+  soft.min_position = -0.8, soft.max_position = 1.5, soft.k_position = 4, soft.k_velocity = 10;
+  ASSERT_TRUE(limiter.init({name}, {elbow_limits()}, {soft}, nullptr, nullptr));
+  JointControlInterfacesData actual, wanted;
+  actual.joint_name = wanted.joint_name = name;
+  actual.position = 0, actual.velocity = 0;
+  for (const bool reset : {false, true}) {
+    if (reset) limiter.reset_internals();
+    std::uint64_t allocations = 0;
+    {
+      const polyarm::test::RealtimeGuard guard;
+      for (int i = 0; i < 3; ++i) {
+        wanted.position = 1, wanted.velocity = 9, wanted.effort = 90;
+        limiter.enforce(actual, wanted, kLimitCycle);
+      }
+      allocations = polyarm::test::RealtimeGuard::allocations();
+    }
+    EXPECT_EQ(allocations, 0u) << (reset ? "after a reset" : "from the first cycle on");
+  }
+}
+
+TEST(Limiters, OfOneJointAllocateNothingFromTheirFirstCycleOn) {
+  if (!polyarm::test::RealtimeGuard::watches()) GTEST_SKIP() << "a sanitizer watches the allocations";
+  expect_no_allocation_with_a_long_name<joint_limits::JointSaturationLimiter<JointControlInterfacesData>>();
+  expect_no_allocation_with_a_long_name<joint_limits::JointSoftLimiter>();
+}
+
 TEST(SoftLimiter, SlowsAJointDownTowardsItsSoftLimit) {
   joint_limits::JointSoftLimiter limiter;
   joint_limits::SoftJointLimits soft;

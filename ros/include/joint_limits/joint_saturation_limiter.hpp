@@ -5,6 +5,8 @@
 #include <cmath>
 #include <mutex>
 #include <optional>
+#include <string>
+#include <utility>
 #include <vector>
 
 #include "joint_limits/joint_limits_helpers.hpp"
@@ -190,7 +192,10 @@ class JointSaturationLimiter : public JointLimiterInterface<Kind> {
   bool on_init() override {
     if constexpr (kOneJoint) {
       prev_command_ = {};
-      if (this->number_of_joints_ == 1) return true;
+      if (this->number_of_joints_ == 1) {
+        prev_command_.joint_name = this->joint_names_[0];  // room for the name in each command
+        return true;
+      }
       if (this->has_logging_interface())
         RCLCPP_ERROR(this->node_logging_itf_->get_logger(),
                      "a limiter of interfaces has exactly one joint, not %zu", this->number_of_joints_);
@@ -216,7 +221,13 @@ class JointSaturationLimiter : public JointLimiterInterface<Kind> {
   }
   void reset_internals() override {
     const std::lock_guard lock(mutex_);
-    prev_command_ = Data();
+    if constexpr (kOneJoint) {
+      std::string name = std::move(prev_command_.joint_name);
+      prev_command_ = Data();
+      prev_command_.joint_name = std::move(name);
+    } else {
+      prev_command_ = Data();
+    }
   }
 
  protected:
