@@ -18,10 +18,13 @@ function(polyarm_ros_wrapper name)
   string(SUBSTRING ${key} 0 16 key)
   set(object ${POLYARM_ROS_SHARED}/${name}-${key}.o)
   if(NOT EXISTS ${object})
-    polyarm_ros_forget_wrappers(${name})
+    polyarm_ros_forget_wrappers()
   endif()
-  string(RANDOM LENGTH 8 unique)  # another build may compile it at the same time
-  set(made ${POLYARM_ROS_SHARED}/${unique}.o)
+  # Another build may compile it at the same time, so each build tree has a file of its own. Its name stays the same:
+  # CMake removes the object, which others use too, when the command changes.
+  string(SHA256 unique "${CMAKE_BINARY_DIR}")
+  string(SUBSTRING ${unique} 0 8 unique)
+  set(made ${POLYARM_ROS_SHARED}/${name}-${unique}.tmp)
   add_custom_command(OUTPUT ${object}
     COMMAND ${CMAKE_CXX_COMPILER} ${flags} -fPIC -std=gnu++20 -isystem ${POLYARM_ROS_KIT}/include
             -isystem ${POLYARM_ROS_GENERATED} -isystem ${POLYARM_ROS_HEADERS} -c ${POLYARM_ROS_KIT}/wrappers/${name}.cpp
@@ -32,12 +35,23 @@ function(polyarm_ros_wrapper name)
   target_sources(polyarm_ros_plugin PRIVATE ${object})
 endfunction()
 
-# Removes those of earlier releases, and what a killed build left.
-function(polyarm_ros_forget_wrappers name)
+# Removes those of earlier releases, and what a killed build left. What is younger than an hour stays: another build may
+# use it.
+function(polyarm_ros_forget_wrappers)
   file(MAKE_DIRECTORY ${POLYARM_ROS_SHARED})
-  file(GLOB all ${POLYARM_ROS_SHARED}/*.o)
+  file(GLOB all ${POLYARM_ROS_SHARED}/*.o ${POLYARM_ROS_SHARED}/*.tmp)
   list(LENGTH all count)
-  if(count GREATER 16)
-    file(REMOVE ${all})
+  if(NOT count GREATER 16)
+    return()
   endif()
+  string(TIMESTAMP now "%s" UTC)
+  foreach(each ${all})
+    file(TIMESTAMP ${each} made "%s" UTC)
+    if(made AND now GREATER made)  # empty: another build has moved it
+      math(EXPR age "${now} - ${made}")
+      if(age GREATER 3600)
+        file(REMOVE ${each})
+      endif()
+    endif()
+  endforeach()
 endfunction()

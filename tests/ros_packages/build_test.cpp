@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <chrono>
 #include <map>
 
 #include "polyarm/base/error.hpp"
@@ -130,16 +131,28 @@ TEST_F(Workshop, BuildsWhatIsCommonToAllPackagesOnceAndTheInterfaceOfFoxy) {
   const std::string early = (place.path() / "early_joint").string();
   fs::copy(fs::path(POLYARM_SOURCE_DIR) / "tests/ros_packages/early_joint", early,
            fs::copy_options::recursive);
+  // Of those that earlier releases and killed builds left, the young ones may belong to another build.
+  const fs::path shared = place.path() / "cache/polyarm/plugins/wrappers";
+  for (int i = 0; i < 17; ++i) {
+    const std::string name = "old" + std::to_string(i) + (i % 2 ? ".o" : ".tmp");
+    place.write("cache/polyarm/plugins/wrappers/" + name, "");
+    fs::last_write_time(shared / name, fs::file_time_type::clock::now() - std::chrono::hours(2));
+  }
+  place.write("cache/polyarm/plugins/wrappers/young.tmp", "");
   const auto wrappers = [&] {
-    std::map<fs::path, fs::file_time_type> out;
-    for (const auto& file : fs::directory_iterator(place.path() / "cache/polyarm/plugins/wrappers"))
-      out[file.path()] = file.last_write_time();
+    std::map<std::string, fs::file_time_type> out;
+    for (const auto& file : fs::directory_iterator(shared))
+      out[file.path().filename().string()] = file.last_write_time();
     return out;
   };
   const auto built = test::run_command({"plugin", "build", early, "--simulated"});
   ASSERT_EQ(built.exit_code, 0) << built.output;
   const auto first = wrappers();
-  EXPECT_EQ(first.size(), 1u);
+  EXPECT_EQ(first.size(), 2u);  // the wrapper, and the young one
+  EXPECT_TRUE(first.contains("young.tmp"));
+  const auto rebuilt = test::run_command({"plugin", "build", early, "--simulated"});
+  ASSERT_EQ(rebuilt.exit_code, 0) << rebuilt.output;
+  EXPECT_EQ(wrappers(), first);
 
   std::string robot = read_file(package + "/robot.urdf");
   robot.replace(robot.find("two_joints/TwoJoints"), 20, "early_joint/EarlyJoint");
