@@ -84,8 +84,9 @@ struct HardwareRecover {
       .role = Role::operate,
       .text =
           "Configures and activates a failed component again; without `name` all that take commands and "
-          "are not active. With `controllers` it then starts the controllers that stopped with them, or "
-          "those with which the cell began. Otherwise the answer only lists them in `fallen`.",
+          "are not active. With `controllers` it then starts the controllers that stopped with them; if none "
+          "did and there is no `name`, those with which the cell began. Otherwise the answer only lists them "
+          "in `fallen`.",
       .moves = true};
   std::optional<std::string> name;
   bool controllers = false;

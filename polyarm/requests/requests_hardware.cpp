@@ -103,10 +103,12 @@ Poll<Done> walk(Machine& machine, std::size_t i, LifecycleState wanted) {
   return called(now == LifecycleState::unconfigured ? Step::configure : Step::activate)(Done{});
 }
 
-/// The same; answers with the state that the component has then.
+/// The same; answers with the state that the component has then. Once it is active, the controllers that
+/// stopped with it are forgotten: whoever wants them has taken them before.
 Poll<Taken> walk(Machine& machine, std::size_t i, LifecycleState wanted, std::vector<std::string> stopped) {
   return then(walk(machine, i, wanted), [&machine, i, stopped](Done) {
     const hardware::Hardware& hardware = machine.hardware();
+    if (hardware.state_of(i) == LifecycleState::active) machine.take_failed(hardware.component_name(i));
     return at_once(Taken{hardware.component_name(i), hardware::name(hardware.state_of(i)), stopped});
   });
 }
@@ -281,15 +283,16 @@ std::vector<std::size_t> to_recover(const HardwareOwners& cell, const HardwareRe
   return out;
 }
 
-/// Starts the controllers that stopped with the components; if nobody knows them any more, those of the
-/// cell's beginning.
-Poll<HardwareRecover::Answer> start_fallen(const HardwareOwners& cell, HardwareRecover::Answer answer) {
+/// Starts the controllers that stopped with the components. If nobody knows them any more, and the request
+/// named no component, it starts those of the cell's beginning.
+Poll<HardwareRecover::Answer> start_fallen(const HardwareOwners& cell, bool named,
+                                           HardwareRecover::Answer answer) {
   std::vector<std::string> wanted;
   for (const std::string& name : answer.fallen)
     if (cell.machine.controllers().find(name) &&
         controller_state(cell.machine, name) == LifecycleState::inactive)
       wanted.push_back(name);
-  if (answer.fallen.empty()) wanted = idle_controllers(cell.machine);
+  if (answer.fallen.empty() && !named) wanted = idle_controllers(cell.machine);
   answer.started.emplace();
   if (wanted.empty()) return at_once(answer);
   return then(switch_controllers(cell.machine, {wanted, {}, control::Strictness::best_effort}),
@@ -303,19 +306,20 @@ Poll<HardwareRecover::Answer> start_fallen(const HardwareOwners& cell, HardwareR
 
 /// Brings back `components` from the one with the index `next` on.
 Poll<HardwareRecover::Answer> recover_from(const HardwareOwners& cell, std::vector<std::size_t> components,
-                                           std::size_t next, bool controllers,
+                                           std::size_t next, const HardwareRecover& request,
                                            HardwareRecover::Answer answer) {
-  if (next == components.size()) return controllers ? start_fallen(cell, answer) : at_once(answer);
+  if (next == components.size())
+    return request.controllers ? start_fallen(cell, request.name.has_value(), answer) : at_once(answer);
   const std::size_t i = components[next];
   const std::string name = cell.machine.hardware().component_name(i);
   const std::vector<std::string> fallen = cell.machine.take_failed(name);
   answer.name += (answer.name.empty() ? "" : ", ") + name;
   answer.fallen.insert(answer.fallen.end(), fallen.begin(), fallen.end());
-  return then(wait_until_idle(cell.machine, i), [cell, components, next, controllers, answer, i](Done) {
+  return then(wait_until_idle(cell.machine, i), [cell, components, next, request, answer, i](Done) {
     return then(walk(cell.machine, i, LifecycleState::active, {}),
-                [cell, components, next, controllers, answer](const Taken& taken) mutable {
+                [cell, components, next, request, answer](const Taken& taken) mutable {
                   answer.state = taken.state;
-                  return recover_from(cell, components, next + 1, controllers, answer);
+                  return recover_from(cell, components, next + 1, request, answer);
                 });
   });
 }
@@ -331,7 +335,7 @@ Poll<HardwareRecover::Answer> hardware_recover(const HardwareOwners& cell, const
   HardwareRecover::Answer answer;
   answer.next = next;
   if (components.empty()) answer.state = hardware::name(LifecycleState::active);
-  return recover_from(cell, components, 0, request.controllers, answer);
+  return recover_from(cell, components, 0, request, answer);
 }
 
 Poll<ControlArm::Answer> start_armed(const HardwareOwners& cell) {
@@ -349,8 +353,8 @@ Poll<ControlArm::Answer> start_armed(const HardwareOwners& cell) {
 Poll<ControlArm::Answer> arm_from(const HardwareOwners& cell, std::size_t next) {
   const std::vector<std::size_t>& real = cell.arming.components();
   if (next == real.size()) return start_armed(cell);
-  return then(walk(cell.machine, real[next], LifecycleState::active),
-              [cell, next](Done) { return arm_from(cell, next + 1); });
+  return then(walk(cell.machine, real[next], LifecycleState::active, {}),
+              [cell, next](const Taken&) { return arm_from(cell, next + 1); });
 }
 
 OrNull<double> finite_or_null(double value) {

@@ -328,6 +328,42 @@ TEST_F(RequestsTest, ControllersWhoseComponentIsBackAlreadyStartByTheSameRequest
   EXPECT_EQ(cell.state_of("follow"), "active");
 }
 
+TEST_F(RequestsTest, ANamedRecoveryStartsOnlyWhatStoppedWithTheComponent) {
+  const std::string name = cell.result({{"request", "hardware.list"}})[0]["name"];
+  const auto recover = [&] {
+    return cell.result({{"request", "hardware.recover"}, {"name", name}, {"controllers", true}});
+  };
+  cell.result({{"request", "control.switch"}, {"deactivate", {"tail", "follow"}}});
+  EXPECT_EQ(recover()["started"], Json::array()) << "nothing failed";
+  EXPECT_EQ(cell.state_of("follow"), "inactive");
+  FailingMock::fails = true;
+  cell.run(0.02);
+  FailingMock::fails = false;
+  EXPECT_EQ(recover()["started"], Json::array({"joint_state_broadcaster"}));
+  EXPECT_EQ(recover()["started"], Json::array()) << "once only";
+  EXPECT_EQ(cell.state_of("follow"), "inactive") << "a person had stopped it";
+}
+
+TEST_F(RequestsTest, EveryWayBackForgetsWhatStoppedWithTheComponent) {
+  const std::string name = cell.result({{"request", "hardware.list"}})[0]["name"];
+  const std::vector<Json> ways{{{"request", "hardware.state"}, {"name", name}, {"state", "active"}},
+                               {{"request", "hardware.recover"}, {"name", name}}};
+  for (const Json& way : ways) {
+    FailingMock::fails = true;
+    cell.run(0.02);
+    FailingMock::fails = false;
+    EXPECT_EQ(cell.result(way)["state"], "active");
+    cell.result({{"request", "control.recover"}});
+    cell.run(0.01);
+    const Json again = cell.result({{"request", "hardware.recover"}, {"name", name}, {"controllers", true}});
+    EXPECT_EQ(again["fallen"], Json::array()) << way;
+    EXPECT_EQ(cell.state_of("follow"), "inactive") << way;
+    cell.result({{"request", "control.switch"}, {"activate", {"follow", "tail", "joint_state_broadcaster"}}});
+    cell.result({{"request", "control.resume"}});
+    cell.run(0.01);
+  }
+}
+
 TEST_F(RequestsTest, ParametersAreListedReadAndChanged) {
   const Json listed = cell.result({{"request", "param.list"}, {"name", "follow"}});
   std::set<std::string> keys;
