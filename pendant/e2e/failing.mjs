@@ -36,7 +36,7 @@ test('it is recovered, its controllers start after a question, and the cell goes
   assert.equal(await main().getByRole('button', { name: 'Activate' }).count(), 0);
   await main().getByRole('button', { name: 'Recover' }).click();
   const question = page.getByRole('dialog', { name: 'Start its controllers again?' });
-  await question.getByText(/R6Bot is back\. .*joint_trajectory_controller/).waitFor();
+  await question.getByText(/R6Bot is configured and activated again/).waitFor();
   await question.getByRole('button', { name: 'Start' }).click();
   await main().getByText(/^Failed: /).waitFor({ state: 'detached' });
   await at.bar().getByRole('button', { name: 'Recover' }).click();

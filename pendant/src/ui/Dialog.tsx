@@ -81,15 +81,22 @@ export interface Question {
   action: string;
   tone?: Tone;
   onYes: () => void;
+  /** A second answer, which does less. */
+  less?: { action: string; onPick: () => void };
   /** Reads signals. When it becomes false, the question is obsolete and the dialog closes. */
   still?: () => boolean;
 }
 
-/** A question with one positive answer; closing it means no. */
+/** A question with one positive answer, or two; closing it means no. */
 export function Confirm({ question, onClose }: { question: Question; onClose: () => void }) {
   useSignalEffect(() => {
     if (question.still && !question.still()) onClose();
   });
+  const { less } = question;
+  const answer = (act: () => void) => {
+    onClose();
+    act();
+  };
   return (
     <Dialog
       title={question.title}
@@ -97,14 +104,8 @@ export function Confirm({ question, onClose }: { question: Question; onClose: ()
       actions={
         <>
           <Button label={t('dialog.cancel')} onClick={onClose} />
-          <Button
-            label={question.action}
-            tone={question.tone ?? 'primary'}
-            onClick={() => {
-              onClose();
-              question.onYes();
-            }}
-          />
+          {less && <Button label={less.action} onClick={() => answer(less.onPick)} />}
+          <Button label={question.action} tone={question.tone ?? 'primary'} onClick={() => answer(question.onYes)} />
         </>
       }
     >

@@ -22,23 +22,18 @@ async function change<Name extends RequestName>(name: Name, args: Args<Name>): P
 }
 
 /**
- * Recovers a component. The controllers that failed with it do not restart automatically: the user is asked.
+ * Recovers a component. The controllers that failed with it start only if the user says so: the cell then starts these, and
+ * no others.
  */
-async function recover(name: string): Promise<void> {
-  try {
-    const { fallen } = await request('hardware.recover', { name });
-    if (fallen?.length)
-      ask({
-        title: t('health.startQ'),
-        text: t('health.startText', { name, names: fallen.join(', ') }),
-        action: t('health.start'),
-        onYes: () => void (mayAdminister.peek() ? change('control.switch', { activate: fallen, deactivate: [] }) : change('hardware.recover', { name, controllers: true })),
-        still: () => mayMove.value,
-      });
-  } catch (error) {
-    complain(error);
-  }
-  await loadHealth();
+export function recover(name: string): void {
+  ask({
+    title: t('health.startQ'),
+    text: t('health.startText', { name }),
+    action: t('health.start'),
+    onYes: () => void change('hardware.recover', { name, controllers: true }),
+    less: { action: t('health.startNot'), onPick: () => void change('hardware.recover', { name }) },
+    still: () => mayMove.value,
+  });
 }
 
 export function Hardware() {
@@ -84,7 +79,7 @@ function ComponentCard({ component }: { component: Component }) {
         {users.length > 0 && ` · ${t('health.usedBy', { names: users.join(', ') })}`}
       </p>
       <div class="row">
-        {failed && <Button label={t('health.recover')} icon="undo" tone="warn" disabled={!mayMove.value} onClick={() => void recover(name)} />}
+        {failed && <Button label={t('health.recover')} icon="undo" tone="warn" disabled={!mayMove.value} onClick={() => recover(name)} />}
         {state !== 'active' && !failed && <Button label={t('health.activate')} icon="power" disabled={!mayAdminister.value} onClick={() => to('active')} />}
         {state === 'active' && !failed && <Button label={t('health.deactivate')} icon="power" disabled={!mayAdminister.value} onClick={() => to('inactive')} />}
       </div>
