@@ -30,6 +30,8 @@ constexpr double kSideways = 3, kMostSideways = 0.3;  // 1/m, of ways: rad towar
 /// So long after its end a move explains the motion of the base: since it stands, because its velocity is
 /// measured over some time, and at most, ns.
 constexpr Nanoseconds kStandsStill = 150'000'000, kRollsOut = 1'000'000'000;
+/// So far it may roll beyond the end of a move or a leg, m and rad, and so long as before until it brakes, s.
+constexpr double kRolled = 0.01, kRolledTurn = 0.03, kUntilItBrakes = 0.1;
 constexpr double kStrayed = 0.05;                     // m beside its leg: it needs another way
 constexpr int kMostWays = 10;                         // of one move
 
@@ -112,6 +114,7 @@ void BaseMotion::begin(bool turns, double amount, double curvature) {
   limits_ = MotionLimits::symmetric(speed, acceleration, jerk);
   planned_ = steered_ = false;
   late_ = steering_ = 0;
+  most_ = std::numeric_limits<double>::infinity();
 }
 
 Pose BaseMotion::pose() {
@@ -218,6 +221,7 @@ bool BaseMotion::go_on() {
   leg_begun_ = planned_ = false;
   goes_on_ = steers();
   if (!goes_on_) send(0, 0);
+  begin_to_roll();
   return true;
 }
 
@@ -270,17 +274,49 @@ double BaseMotion::strayed() const {
   return std::hypot(done - std::clamp(done, std::min(amount_, 0.0), std::max(amount_, 0.0)), beside());
 }
 
+/// The base brakes now. It rolls no farther than its speed explains.
+void BaseMotion::begin_to_roll() {
+  const std::vector<double>& v = odometry_->value().values;
+  const bool known = odometry_->value().time != 0 && v.size() >= 13;
+  const auto rolls = [](double speed, const controllers::SpeedLimits& limits, double any) {
+    const double braking = stated(-limits.max_deceleration, stated(limits.max_acceleration, any));
+    return std::abs(speed) * (kUntilItBrakes + std::abs(speed) / (2 * braking));
+  };
+  RollOut roll{now_, place_, kRolled, kRolledTurn, {}};
+  if (known) {
+    roll.way += rolls(v[7], controller_.linear_limits(), kAnySpeed / kToFullSpeed);
+    roll.turn += rolls(v[12], controller_.angular_limits(), kAnyTurning / kToFullSpeed);
+  }
+  rolls_out_ = roll;
+}
+
+/// Motion after the base has stood, or farther than it rolls, has another cause than the move.
+void BaseMotion::follow_roll(Nanoseconds now) {
+  if (!rolls_out_ || !look()) return;
+  RollOut& roll = *rolls_out_;
+  const bool stands = controller_.standing();
+  if (stands && !roll.stood) roll.stood = now;
+  const double turned = std::remainder(place_.heading - roll.from.heading, 2 * std::numbers::pi);
+  const bool is_other = (roll.stood && !stands) || std::abs(turned) > roll.turn ||
+                        std::hypot(place_.x - roll.from.x, place_.y - roll.from.y) > roll.way;
+  const bool is_over = now - roll.since > kRollsOut || (roll.stood && now - *roll.stood > kStandsStill);
+  if (is_other || is_over) rolls_out_.reset();
+}
+
 std::optional<BaseMotion::Left> BaseMotion::left() const {
-  if (!active_ && !rolls_out_) return std::nullopt;
-  if (active_ && move_.to && !way_ && !rolls_out_) return std::nullopt;
-  if (!active_ || (move_.to && !leg_begun_)) return Left{};
-  const double sign = amount_ < 0 ? -1 : 1;
-  const double rest = std::max(0.0, sign * (amount_ - (planned_ ? covered() : 0)));
-  std::optional<double> kept;
-  if (move_.to && leg_ < way_->size()) kept = (*way_)[leg_].kept;
-  const bool backwards = amount_ < 0;
-  return turns_ ? Left{0, rest, 0, backwards, kept}
-                : Left{rest, rest * std::abs(curvature_), curvature_, backwards, kept};
+  if (!active_ || !planned_) return rolls_out_ ? std::optional<Left>(Left{}) : std::nullopt;
+  const double rest = (amount_ < 0 ? -1 : 1) * (amount_ - covered());
+  // Somebody else drives it: the leg does not say where it goes.
+  if (rest < (turns_ ? -kRolledTurn : -kRolled) || strayed() > kStrayed) return std::nullopt;
+  Left left{.backwards = amount_ < 0, .braking = limits_.max_acceleration};
+  if (move_.to && leg_ < way_->size()) left.kept = (*way_)[leg_].kept;
+  if (turns_) {
+    left.turn = std::max(0.0, rest);
+  } else {
+    left.way = std::max(0.0, rest);
+    left.turn = left.way * std::abs(curvature_), left.curvature = curvature_;
+  }
+  return left;
 }
 
 bool BaseMotion::plan(double from) {
@@ -304,14 +340,12 @@ void BaseMotion::end(State outcome) {
   outcome_ = outcome;
   drop_search();
   send(0, 0);
-  rolls_out_ = now_;
+  begin_to_roll();
 }
 
 void BaseMotion::tick(Nanoseconds now, bool running, double share) {
   now_ = now;
-  if (!controller_.standing()) moved_ = now;
-  if (rolls_out_ && (now - std::max(moved_, *rolls_out_) > kStandsStill || now - *rolls_out_ > kRollsOut))
-    rolls_out_.reset();
+  follow_roll(now);
   if (!active_ || now == last_) return;
   const double dt = last_ < 0 ? 0 : seconds(now - last_);
   last_ = now;
@@ -353,8 +387,11 @@ void BaseMotion::tick(Nanoseconds now, bool running, double share) {
 void BaseMotion::slow_down(const MotionState& state, double dt) {
   const double speed = std::max(std::abs(state.velocity), 1e-6);
   const double wanted = std::min(1.0, most_ / speed);
-  const double left = std::max(0.0, limits_.max_acceleration - std::abs(state.acceleration) * slow_ * slow_);
-  slow_ = std::clamp(wanted, slow_ - dt * left / speed, slow_ + dt * left / speed);
+  // What the plan has of it now, positive while it gets faster.
+  const double planned = std::copysign(1, state.velocity) * state.acceleration * slow_ * slow_;
+  const double less = std::max(0.0, limits_.max_acceleration + planned);
+  const double more = std::max(0.0, limits_.max_acceleration - planned);
+  slow_ = std::clamp(wanted, slow_ - dt * less / speed, slow_ + dt * more / speed);
 }
 
 /// True once the base may move along its turn, line or arc.

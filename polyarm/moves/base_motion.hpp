@@ -89,12 +89,13 @@ class BaseMotion {
   bool idle() const { return !active_; }
   /// What is left of the present move, or of the present leg of a way: m, and rad on the spot or along an
   /// arc, not negative. Zero while the base brakes at the end of a move or of a leg. Empty without a move,
-  /// and before a way is known.
+  /// before a way is known, and while the base moves as the move does not explain: somebody else drives it.
   struct Left {
     double way = 0, turn = 0;
     double curvature = 0;    ///< of the arc, 1/m, positive to the left; 0: a line
     bool backwards = false;  ///< of a line or an arc; of a turn: to the right
     std::optional<double> kept = {};  ///< of a leg: m from everything else, as it was planned
+    double braking = 0;               ///< most at its end: m/s², rad/s² of a turn; 0 after the end
   };
   std::optional<Left> left() const;
   /// The highest speed from now on, m/s along a line or an arc, rad/s of a turn; infinite: the limits alone.
@@ -113,7 +114,16 @@ class BaseMotion {
     std::optional<Problem> failure;
     std::atomic<bool> done{false}, dropped{false};
   };
+  /// Of a base that comes to rest after a move or a leg.
+  struct RollOut {
+    Nanoseconds since = 0;
+    Place from;
+    double way = 0, turn = 0;               ///< no farther than this, m and rad
+    std::optional<Nanoseconds> stood = {};  ///< since when
+  };
   bool look();
+  void begin_to_roll();
+  void follow_roll(Nanoseconds now);
   bool is_silent(double dt);
   double covered() const;
   double beside() const;
@@ -165,8 +175,8 @@ class BaseMotion {
   double most_ = std::numeric_limits<double>::infinity();
   Nanoseconds last_ = -1, heard_ = 0;  ///< of the last tick; stamp of the newest odometry
   double unheard_ = 0;                 ///< s since it came
-  Nanoseconds now_ = 0, moved_ = 0;    ///< of the last tick; when the base did not stand last
-  std::optional<Nanoseconds> rolls_out_;  ///< since when, after a move
+  Nanoseconds now_ = 0;                ///< of the last tick
+  std::optional<RollOut> rolls_out_;
   std::uint64_t last_id_ = 0;
   State outcome_ = State::done;
   std::optional<Problem> problem_;

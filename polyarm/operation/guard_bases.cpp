@@ -38,6 +38,9 @@ constexpr double kDeceleration = 1;
 constexpr double kSlowest = 0.02, kLeastRadius = 0.1;
 /// A base that comes no nearer than this to something leaves it or passes it, m.
 constexpr double kSameDistance = 1e-4;
+/// Its measured speed is so old, s: a base that brakes at the end of its leg is slower already. It may stop
+/// so far beyond the end, m or rad.
+constexpr double kOldSpeed = 0.1, kBeyond = 0.02;
 
 /// The distance to keep on a way that was planned, with this distance now. A base in contact may leave it.
 double kept_on_way(double distance, double clearance) {
@@ -67,6 +70,13 @@ struct Guards::BaseWay {
 
   bool is_known() const { return left && (left->way > 0 || left->turn > 0); }
   bool turns() const { return left->way <= 0; }
+  /// False if it is too fast to come to rest at the end of its leg: somebody else drives it.
+  bool explains(double speed, double turning) const {
+    if (!is_known()) return true;  // how far it rolls is known
+    const double of_leg = turns() ? turning : speed;
+    const double stop = left->braking > 0 ? of_leg / (2 * left->braking) - kOldSpeed : 0;
+    return of_leg * stop <= (turns() ? left->turn : left->way) + kBeyond;
+  }
   /// The highest speed with which it comes to rest within this length; of a turn in rad and rad/s.
   double speed_before(double room) const { return speed_before(room, braking); }
   double leg_speed_before(double room) const { return speed_before(room, turns() ? turn_braking : braking); }
@@ -78,10 +88,11 @@ struct Guards::BaseWay {
   /// No point of the base moves farther for each m or rad of the leg.
   double lever() const { return turns() ? kFarthestPoint : 1 + std::abs(left->curvature) * kFarthestPoint; }
   /// The distance that the base keeps on its leg from what is so far away now. What a way was planned with is
-  /// enough.
-  double keep(double distance) const {
+  /// enough, but not for what moves: it was elsewhere then.
+  double keep(double distance, bool other_moves) const {
     const double now = kept_on_way(distance, clearance);
-    return left->kept && *left->kept > 0 ? std::min(now, kept_on_way(*left->kept, clearance)) : now;
+    if (other_moves || !left->kept || *left->kept <= 0) return now;
+    return std::min(now, kept_on_way(*left->kept, clearance));
   }
   /// How far it drives on its leg until a body of it, `a` or else `b` of the pair, is nearer than `keep` to
   /// the other one; at most `most`. `gap`: now, and then there.
@@ -93,9 +104,10 @@ struct Guards::BaseWay {
     return bodies.gap_after(pair, a, after(driven), enough).distance;
   }
 
-  /// Looks along the leg that it drives with the speed `fast`; `middle`: about which it turns.
-  void look(surroundings::GuardBodies& bodies, const GuardPair& pair, bool a, double fast, const Vec3& middle,
-            GuardGap gap, NearBase& out) const;
+  /// Looks along the leg that it drives with the speed `fast`; `middle`: about which it turns. `other_moves`:
+  /// the body of the pair that it does not carry is one of a robot that moves.
+  void look(surroundings::GuardBodies& bodies, const GuardPair& pair, bool a, bool other_moves, double fast,
+            const Vec3& middle, GuardGap gap, NearBase& out) const;
 
  private:
   double speed_before(double room, double most) const {
@@ -133,8 +145,8 @@ double Guards::BaseWay::free(surroundings::GuardBodies& bodies, const GuardPair&
   return proven;
 }
 
-void Guards::BaseWay::look(surroundings::GuardBodies& bodies, const GuardPair& pair, bool a, double fast,
-                           const Vec3& middle, GuardGap gap, NearBase& out) const {
+void Guards::BaseWay::look(surroundings::GuardBodies& bodies, const GuardPair& pair, bool a, bool other_moves,
+                           double fast, const Vec3& middle, GuardGap gap, NearBase& out) const {
   const double most = braking_length(fast), now = gap.distance;
   if (now < clearance || left->kept) {
     const double then = distance_after(bodies, pair, a, most, clearance), least = std::min(now, then);
@@ -143,7 +155,7 @@ void Guards::BaseWay::look(surroundings::GuardBodies& bodies, const GuardPair& p
       out.most = std::min(out.most, std::max(speed_before(least), kSlowest) / radius);
     }
   }
-  const double driven = free(bodies, pair, a, keep(now), most, gap);
+  const double driven = free(bodies, pair, a, keep(now, other_moves), most, gap);
   if (driven >= most) return;
   const double share = leg_speed_before(driven) / fast;
   if (share >= out.share) return;
@@ -209,9 +221,10 @@ Guards::NearBase Guards::near_base(std::size_t r, const Vec3& velocity, double t
   NearBase out;
   surroundings::GuardBodies& bodies = *work_->bodies;
   const Vec3 middle = work_->moment.robots[r].base.position;
-  const auto is_carried = [&](int robot) {
+  /// True if `is` is true of this robot, or of one that carries it.
+  const auto is_or_rides = [&](int robot, const auto& is) {
     for (std::size_t steps = 0; robot >= 0 && steps < work_->robots.size(); ++steps) {
-      if (robot == static_cast<int>(r)) return true;
+      if (is(static_cast<std::size_t>(robot))) return true;
       const std::string& on = cell_.setup.robots[static_cast<std::size_t>(robot)]->entry.on;
       robot = -1;
       for (std::size_t k = 0; k < work_->robots.size() && !on.empty(); ++k)
@@ -219,10 +232,22 @@ Guards::NearBase Guards::near_base(std::size_t r, const Vec3& velocity, double t
     }
     return false;
   };
+  const auto is_carried = [&](int robot) {
+    return is_or_rides(robot, [&](std::size_t k) { return k == r; });
+  };
+  const auto is_moving = [&](int robot) {
+    return is_or_rides(robot, [&](std::size_t k) {
+      const std::vector<double>& joints = work_->robots[k].velocity;
+      return base_drives(k) ||
+             std::any_of(joints.begin(), joints.end(), [](double v) { return std::abs(v) > kBaseStands; });
+    });
+  };
   using Kind = surroundings::BodyKind;
   const double fastest = norm(velocity) + std::abs(turning) * kFarthestPoint;
   const double clearance = cell_.setup.file.guards.clearance;
-  const double within = clearance + fastest * fastest / (2 * way.braking) + fastest * way.latency;
+  double within = clearance + fastest * fastest / (2 * way.braking) + fastest * way.latency;
+  const double of_leg = way.is_known() && way.turns() ? std::abs(turning) : norm(velocity);
+  if (way.is_known()) within = std::max(within, clearance + way.lever() * way.braking_length(of_leg));
   for (std::size_t i = 0; i < bodies.pairs().size(); ++i) {
     const GuardPair& pair = bodies.pairs()[i];
     if (!pair.active || pair.own || pair.of_part || pair.slack >= within) continue;
@@ -231,10 +256,10 @@ Guards::NearBase Guards::near_base(std::size_t r, const Vec3& velocity, double t
     const GuardGap gap = bodies.gap_of(pair, within);
     if (gap.distance >= within) continue;
     if (way.is_known()) {
-      way.look(bodies, pair, a, way.turns() ? std::abs(turning) : norm(velocity), middle, gap, out);
+      way.look(bodies, pair, a, is_moving(a ? pair.robot_b : pair.robot_a), of_leg, middle, gap, out);
       continue;
     }
-    if (way.left) continue;  // its leg ends here
+    if (way.left) continue;  // it rolls out after its leg
     const Vec3 point = a ? gap.on_a : gap.on_b, away = a ? gap.normal : -gap.normal;
     const Vec3 moves = velocity + cross(Vec3{0, 0, turning}, point - middle);
     const double closing = -dot(moves, away);
@@ -269,9 +294,10 @@ void Guards::look_at_base(std::size_t r) {
   if (!base_drives(r) || !runs()) return;
   const Vec3 velocity{of.base_velocity.x, of.base_velocity.y, 0};
   moves::BaseMotion& wheels = *cell_.motions.wheels(r);
-  const BaseWay way{braking_of_base(r), braking_of(wheels.controller().angular_limits()),
-                    kLatencyOfHold,     cell_.setup.file.guards.clearance,
-                    wheels.left(),      wheels.pose()};
+  BaseWay way{braking_of_base(r), braking_of(wheels.controller().angular_limits()),
+              kLatencyOfHold,     cell_.setup.file.guards.clearance,
+              wheels.left(),      wheels.pose()};
+  if (!way.explains(norm(velocity), std::abs(of.base_turning))) way.left.reset();
   const NearBase found = near_base(r, velocity, of.base_turning, way);
   wheels.set_most(found.most);
   if (found.pair < 0) return;

@@ -89,7 +89,8 @@ class WheeledBases : public ::testing::Test {
     start_before_a_wall(urdf({"right", "left"}, {"front"}), kTricycle, program, guards, shape);
   }
   void start_before_a_wall(std::string description, const std::string& controllers,
-                           const std::string& program, const std::string& guards, const std::string& shape) {
+                           const std::string& program, const std::string& guards, const std::string& shape,
+                           const std::string& fixtures = "") {
     const std::string empty = "<link name=\"base_link\"/>";
     description.replace(description.find(empty), empty.size(),
                         "<link name=\"base_link\"><collision><origin xyz=\"0 0 0.3\"/><geometry><box "
@@ -104,7 +105,8 @@ class WheeledBases : public ::testing::Test {
     folder.write("go.script", program);
     folder.write("scene.yaml",
                  "polyarm: scene/1\nfloor: {height: -0.1}\nfixtures:\n"
-                 "  wall: {box: [0.2, 2, 1], at: [1.1, 0, 0.5]}\n");
+                 "  wall: {box: [0.2, 2, 1], at: [1.1, 0, 0.5]}\n" +
+                     fixtures);
     folder.write("cell.yaml",
                  "polyarm: cell/1\nrobots:\n  base: {model: base.urdf, hardware: mock}\nscene: scene.yaml\n"
                  "controllers: controllers.yaml\nprogram: go\n" +
@@ -262,6 +264,116 @@ INSTANTIATE_TEST_SUITE_P(Bases, BasesThatGoNear,
                                          BaseKind{"mecanum", {"fl", "fr", "rr", "rl"}, {}, kMecanum},
                                          BaseKind{"omni", {"fl", "rl", "fr"}, {}, kOmni}),
                          [](const auto& made) { return made.param.name; });
+
+/// Twists of somebody else, against the moves of the program.
+class BasesThatSomebodyElseDrives : public WheeledBases, public ::testing::WithParamInterface<double> {
+ protected:
+  moves::BaseMotion& wheels() { return *cell->cell().in().motions->wheels(0); }
+  void start_fast(const std::string& program) {
+    start_before_a_wall(urdf({"right", "left"}, {}), kFast, program, "", kSphere);
+    ASSERT_TRUE(cell->ask({{"request", "program.start"}})["ok"].get<bool>());
+  }
+  /// The most that it was ahead while these twists came.
+  double push(double ahead, double turn, int every, int ticks) {
+    double most = 0;
+    for (int i = 0; i < ticks; ++i) {
+      control::ControlLoop& loop = cell->cell().loop();
+      const Nanoseconds until = loop.cycle().time + Cell::kTick;
+      cell->cell().tick(loop.cycle().time);  // the move gives its command; the twist comes after it
+      if (i % every == 0)
+        base().receive("cmd_vel", controllers::Twist{{ahead, 0, 0}, {0, 0, turn}, {}}, false);
+      while (loop.cycle().time < until) loop.step_next();
+      most = std::max(most, place().x());
+    }
+    return most;
+  }
+  static constexpr const char* kFast = R"(
+controller_manager:
+  ros__parameters: {update_rate: 100, base: {type: diff_drive_controller/DiffDriveController}}
+base:
+  ros__parameters:
+    left_wheel_names: [left]
+    right_wheel_names: [right]
+    wheel_separation: 0.3
+    wheel_radius: 0.1
+    linear.x: {max_velocity: 1.5, max_acceleration: 6.0}
+    angular.z: {max_velocity: 1.5, max_acceleration: 4.0}
+)";
+};
+
+TEST_P(BasesThatSomebodyElseDrives, InTheTickAfterADriveTheCellHoldsBeforeAWall) {
+  start_fast("drive 200mm\nwait 10s\n");
+  for (bool busy = false; !(busy && wheels().idle()) && now() < 20; busy = busy || !wheels().idle())
+    cell->tick();
+  EXPECT_NEAR(place().x(), 0.2, 0.005);
+  const double most = push(GetParam(), 0, 25, 1500);
+  EXPECT_EQ(cell->result({{"request", "health"}})["state"], "held");
+  EXPECT_LT(most, 0.8) << "its front is 0.2 m before its middle";
+}
+
+TEST_P(BasesThatSomebodyElseDrives, JustBeforeTheWallTheyAreHeldToo) {
+  start_fast("drive 770mm\nwait 10s\n");
+  for (bool busy = false; !(busy && wheels().idle()) && now() < 20; busy = busy || !wheels().idle())
+    cell->tick();
+  ASSERT_NEAR(place().x(), 0.77, 0.005);
+  const double most = push(std::min(GetParam(), 0.1), 0, 25, 1500);
+  EXPECT_EQ(cell->result({{"request", "health"}})["state"], "held");
+  EXPECT_LT(most, 0.8);
+}
+
+/// They come in every tick: what the move commands is never followed.
+TEST_P(BasesThatSomebodyElseDrives, DuringADriveTheCellHoldsBeforeAWall) {
+  start_fast("drive 300mm\nwait 10s\n");
+  while (wheels().idle() && now() < 20) cell->tick();
+  const double most = push(GetParam(), 0, 1, 2000);
+  EXPECT_EQ(cell->result({{"request", "health"}})["state"], "held");
+  EXPECT_LT(most, 0.8);
+}
+
+TEST_P(BasesThatSomebodyElseDrives, DuringALegAndBetweenLegsTheCellHoldsBeforeAWall) {
+  start_fast("drive pose(300mm)\ndrive pose(300mm, 500mm)\nwait 10s\n");
+  while (!wheels().left() && now() < 20) cell->tick();
+  const double most = push(GetParam(), 0, 1, 2000);
+  EXPECT_EQ(cell->result({{"request", "health"}})["state"], "held");
+  EXPECT_LT(most, 0.8);
+}
+
+TEST_P(BasesThatSomebodyElseDrives, DuringATurnTheCellHoldsBeforeAWall) {
+  start_fast("turn 90deg\nwait 10s\n");
+  while (wheels().idle() && now() < 20) cell->tick();
+  const double most = push(GetParam(), 0, 1, 2000);
+  EXPECT_EQ(cell->result({{"request", "health"}})["state"], "held");
+  EXPECT_LT(most, 0.8);
+}
+
+INSTANTIATE_TEST_SUITE_P(Speeds, BasesThatSomebodyElseDrives, testing::Values(0.2, 0.5, 1.5));
+
+/// Near walls a base is as slow as it could stop before them, from the beginning of its leg.
+class BasesBetweenWalls : public WheeledBases, public ::testing::WithParamInterface<const char*> {};
+
+TEST_P(BasesBetweenWalls, DriveSlowlyBothWays) {
+  start_before_a_wall(urdf({"right", "left"}, {}), std::string(kTwoWheels) + GetParam(),
+                      "drive pose(0.4m)\ndrive pose(0)\n",
+                      "contacts: {clearance: 40mm}\nguards: {clearance: 40mm}\n", kSphere,
+                      "  side: {box: [6, 0.2, 1], at: [0, 0.265, 0.5]}\n");
+  ASSERT_TRUE(cell->ask({{"request", "program.start"}})["ok"].get<bool>());
+  double fastest = 0, before = 0, quickest = 0, time = now(), most = 0, slowest = 0;
+  for (double last = place().x(); !ended() && now() < 60; last = place().x()) {
+    cell->run(0.01);
+    const double speed = (place().x() - last) / (now() - time);
+    quickest = std::max(quickest, std::abs(speed - before) / (now() - time));
+    fastest = std::max(fastest, speed), slowest = std::min(slowest, speed);
+    before = speed, time = now();
+    most = std::max(most, place().x());
+  }
+  EXPECT_TRUE(ended()) << cell->cell().stop_cause().what;
+  EXPECT_NEAR(most, 0.4, 0.003);
+  EXPECT_LT(fastest, 0.12);
+  EXPECT_GT(slowest, -0.12);
+  EXPECT_LT(quickest, 1.1) << "as its limits allow";
+}
+
+INSTANTIATE_TEST_SUITE_P(Limits, BasesBetweenWalls, testing::Values("", "    linear.x.max_jerk: 200.0\n"));
 
 /// Its way to a standstill is shorter than a step in which guards look along its way.
 TEST_F(WheeledBases, ABaseThatCreepsStopsBeforeAWallToo) {
