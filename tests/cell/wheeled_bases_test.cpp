@@ -375,6 +375,68 @@ TEST_P(BasesBetweenWalls, DriveSlowlyBothWays) {
 
 INSTANTIATE_TEST_SUITE_P(Limits, BasesBetweenWalls, testing::Values("", "    linear.x.max_jerk: 200.0\n"));
 
+/// Base `a` goes to a place 15 mm before a wall, so its way was planned with less than the clearance. Base
+/// `b` came near its way later.
+class BasesThatMeet : public WheeledBases {
+ protected:
+  void meet(const std::string& b) {
+    std::string description = urdf({"right", "left"}, {});
+    const std::string empty = "<link name=\"base_link\"/>";
+    description.replace(description.find(empty), empty.size(),
+                        "<link name=\"base_link\"><collision><origin xyz=\"0 0 0.3\"/><geometry><box "
+                        "size=\"0.4 0.3 0.2\"/></geometry></collision></link>");
+    folder.write("base.urdf", description);
+    const auto one = [](const std::string& name) {
+      return "/" + name + R"(:
+  controller_manager:
+    ros__parameters: {update_rate: 100, drive: {type: diff_drive_controller/DiffDriveController}}
+  drive:
+    ros__parameters:
+      left_wheel_names: [left]
+      right_wheel_names: [right]
+      wheel_separation: 0.2
+      wheel_radius: 0.1
+      linear.x: {max_velocity: 0.5, max_acceleration: 1.0}
+)";
+    };
+    folder.write("controllers.yaml", one("a") + one("b"));
+    folder.write("go.script",
+                 "task one\n  use robot a\n  drive pose(0.785m), speed 0.3m/s\nend\n"
+                 "task other\n  use robot b\n" +
+                     b + "end\n");
+    folder.write("scene.yaml",
+                 "polyarm: scene/1\nfloor: {height: -0.1}\nfixtures:\n"
+                 "  wall: {box: [0.2, 8, 1], at: [1.1, 0, 0.5]}\n");
+    folder.write("cell.yaml",
+                 "polyarm: cell/1\nrobots:\n  a: {model: base.urdf, hardware: mock, at: [-1, 0, 0]}\n"
+                 "  b: {model: base.urdf, hardware: mock, at: [0, 1, 0], rpy: [0, 0, -90deg]}\n"
+                 "scene: scene.yaml\ncontrollers: controllers.yaml\nprogram: go\n"
+                 "contacts: {clearance: 40mm}\nguards: {clearance: 40mm}\n");
+    hardware::register_driver(
+        "mock", [] { return std::unique_ptr<hardware::Component>(new drivers::MockComponent); });
+    CellOptions options;
+    options.waits = true;
+    cell = std::make_unique<LockStepCell>(read_cell_file(folder.path()), options);
+    cell->run(0.1);
+    ASSERT_TRUE(cell->ask({{"request", "program.start"}})["ok"].get<bool>());
+    while (!ended() && now() < 30 && cell->cell().loop().supervisor().state() == control::RunState::running)
+      cell->tick();
+    cell->run(1);
+  }
+};
+
+TEST_F(BasesThatMeet, ABaseThatMovesIsNotPassedNearerThanTheClearance) {
+  meet("  drive 630mm\n  drive -200mm, speed 5mm/s\n");
+  EXPECT_EQ(cell->result({{"request", "health"}})["state"], "held");
+  EXPECT_EQ(cell->cell().stop_cause().what.rfind("a stopped before a contact", 0), 0U)
+      << cell->cell().stop_cause().what;
+}
+
+TEST_F(BasesThatMeet, ABaseThatIsFarEnoughHoldsNobody) {
+  meet("  drive 590mm\n  drive -50mm, speed 5mm/s\n");
+  EXPECT_TRUE(ended()) << cell->cell().stop_cause().what;
+}
+
 /// Its way to a standstill is shorter than a step in which guards look along its way.
 TEST_F(WheeledBases, ABaseThatCreepsStopsBeforeAWallToo) {
   start_before_a_wall("drive 750mm\ndrive 300mm, speed 20mm/s\n");
