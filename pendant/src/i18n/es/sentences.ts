@@ -229,6 +229,7 @@ export const sentences: readonly (readonly [english: string, spanish: string])[]
   ["'{1}' of {2} is {3}, here is {4}", '«{1}» de {2} es {3}; aquí está {4}'],
   ["'{1}' needs {2}, here is {3}", '«{1}» necesita {2}; aquí está {3}'],
   ["there is no function '{1}'", 'No hay ninguna función «{1}»'],
+  ["'{1}' is a statement, not a function", '«{1}» es una instrucción, no una función'],
   ['random() takes no values, or two of one unit', 'random() no toma valores, o toma dos de la misma unidad'],
   ['{1} exists in tests only', '{1} solo existe en las pruebas'],
   ["'{1}' and '{2}' differ only in case", '«{1}» y «{2}» solo difieren en mayúsculas'],
