@@ -9,6 +9,8 @@
 
 namespace polyarm::abb {
 
+using wire::scaled;
+
 namespace {
 
 constexpr double kSpeedUp = 0.2;    // s, of a joint to its full speed
@@ -17,25 +19,10 @@ constexpr double kClientLeft = 60;  // s without a request, until a client witho
 constexpr int kUnreachable = 1074;  // our number of an error that a move ends with
 constexpr std::size_t kMostBytes = 64 * kMoveRequestBytes;
 
-Six scaled(const Six& six, double by) {
-  Six out;
-  for (std::size_t i = 0; i < 6; ++i) out[i] = by * six[i];
-  return out;
-}
-
 forward::PlayedArm arm_of(Machine& machine, int& ended, std::function<void()> refuse) {
-  forward::PlayedArm out;
+  forward::PlayedArm out = forward::arm_in_degrees(machine, ended, kSpeedUp);
   out.q = [&machine, q = Six{}]() mutable -> const Six& { return q = scaled(machine.q(), wire::kRadians); };
-  out.still = [&machine] { return machine.still(); };
-  out.may_move = [&machine] { return machine.may_move(); };
-  out.follow = [&machine](const Six& next) { machine.drive(scaled(next, wire::kDegrees)); };
   out.refuse = std::move(refuse);
-  out.ended = [&ended](int number) { ended = number; };
-  out.flange = [&machine](const Six& q, std::array<double, 36>& J) {
-    return machine.options().facts.tool_flange->jacobian(q, J);
-  };
-  out.velocity = scaled(machine.options().facts.velocity, wire::kRadians);
-  out.acceleration = scaled(out.velocity, 1 / kSpeedUp);
   return out;
 }
 

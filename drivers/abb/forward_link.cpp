@@ -21,6 +21,11 @@ constexpr double kMostArc = 235;                  // degrees, of MoveC: recalled
 constexpr Nanoseconds kLeastLook = 1'000'000;     // the least, at a socket where an answer may wait
 constexpr std::chrono::milliseconds kOthers(300);  // for Robot Web Services to be free, to ask them why
 
+/// A program that runs may be slow; warnings in the event log do not stop it.
+bool stands_still(const RwsState& state) {
+  return state.program != "running" || cause_of_state(state.control, state.mode) != Cause::none;
+}
+
 }  // namespace
 
 /// At least one answer: each of them has the whole state.
@@ -66,14 +71,11 @@ std::optional<MoveReply> ForwardLink::await_reply() {
   }
 }
 
-/// False also if Robot Web Services do not answer, or if others use them now. A program that runs may be
-/// slow; warnings in the event log do not stop it.
+/// False also if Robot Web Services do not answer, or if others use them now.
 bool ForwardLink::is_stopped() {
   const std::unique_lock lock(rws_mutex_, std::try_to_lock);
-  if (!lock) return false;
   RwsState state;
-  if (!rws_.read_state(state)) return false;
-  return state.program != "running" || cause_of_state(state.control, state.mode) != Cause::none;
+  return lock && rws_.read_state(state) && stands_still(state);
 }
 
 /// What the controller itself says of a program that stopped is more than that the program is gone.
@@ -84,7 +86,7 @@ void ForwardLink::lose(Cause otherwise) {
     RwsState state;
     const bool reached = lock && rws_.read_state(state);
     if (lock && !reached && otherwise != Cause::moves_bad_data) why = rws_.failure();
-    if (reached && is_stopped()) why = find_why(Sign::silence);
+    if (reached && stands_still(state)) why = find_why(Sign::silence);
   }
   if (why.cause == Cause::none) why = {otherwise, 0, ""};
   note(why.cause, why.detail, why.text);
@@ -148,8 +150,7 @@ void ForwardLink::end_round() {
 void ForwardLink::take(const MoveReply& reply) {
   const int step = (reply.time_ms - newest_.time_ms + kMovesClock) % kMovesClock;
   const bool later = current_.count > 0 && step > 0 && step < kMovesClock / 2;
-  Six q;
-  for (std::size_t i = 0; i < 6; ++i) q[i] = reply.joints[i] * wire::kRadians;
+  const Six q = wire::scaled(reply.joints, wire::kRadians);
   if (later) {
     time_ms_ += step;
     for (std::size_t i = 0; i < 6; ++i) current_.dq[i] = (q[i] - current_.q[i]) * 1000 / step;

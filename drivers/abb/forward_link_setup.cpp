@@ -85,8 +85,7 @@ bool ForwardLink::connect_program() {
 
 /// A wrong model, or a base that is not the controller's world frame.
 bool ForwardLink::check_frame(const MoveReply& reply) {
-  Six q;
-  for (std::size_t i = 0; i < 6; ++i) q[i] = reply.joints[i] * wire::kRadians;
+  const Six q = wire::scaled(reply.joints, wire::kRadians);
   const Pose there = pose_of(reply.flange), here = settings_.frame.flange->forward(q);
   const Vec3 way = there.position - here.position;
   const double turn = angle_between(there.rotation, here.rotation);

@@ -277,10 +277,8 @@ std::string moves_sentence(Cause cause, int detail, const std::string& where, co
     case Cause::moves_unreachable:
       return program + " is not reached: " + text +
              "; check `moves_port`; IRC5: the option for sockets (PC Interface); OmniCore: RapidSockets, "
-             "which its "
-             "Firewall Manager must allow for this network; if the address in the module is another one, "
-             "install "
-             "it again with `polyarm setup abb --motion forward --install`";
+             "which its Firewall Manager must allow for this network; if the address in the module is "
+             "another one, install it again with `polyarm setup abb --motion forward --install`";
     case Cause::moves_version:
       return program + " has version " + std::to_string(detail) +
              ", another one than this driver: install it again with `polyarm setup abb --motion forward "

@@ -1,12 +1,13 @@
 #pragma once
 /// The motion of a simulated controller: a queue of moves, trapezoids of speed on their paths, and rounded
 /// corners. rad, m, s. One thread.
+#include <array>
 #include <deque>
 #include <functional>
 #include <optional>
 #include <vector>
 
-#include "drivers/wire/shaper.hpp"
+#include "drivers/wire/six_axes.hpp"
 #include "polyarm/base/pose.hpp"
 #include "polyarm/hardware/forward_moves.hpp"
 
@@ -26,8 +27,8 @@ struct PlayedMove {
   double acceleration = 0;        ///< rad/s² of the joint that turns most, or m/s²; a share with `share`
   double speed = 0;               ///< rad/s of that joint, or m/s
   double time = 0;                ///< s; above 0 it replaces speed and acceleration of a line or an arc
-  double joint_time =
-      0;  ///< s, of a joint move; above 0 it replaces the speed, and `acceleration` is a share
+  /// s, of a joint move; above 0 it replaces the speed, and `acceleration` is a share.
+  double joint_time = 0;
   double turn = 0;                ///< rad/s; above 0 it is the speed of a line on which the TCP only turns
   double blend = 0;               ///< m before the end
   double blend_share = 0;         ///< above 0: of half of the way, instead of `blend`
@@ -43,6 +44,23 @@ struct PlayedArm {
   std::function<Pose(const Six&, std::array<double, 36>&)> flange;  ///< and its Jacobian, by rows
   Six velocity{}, acceleration{};                                   ///< of the joints, for shares of them
 };
+
+/// The arm of a simulated controller that counts in degrees, without `q` and `refuse`; `speed_up`: s, of a
+/// joint to its full speed. Machine has still(), may_move(), drive() and options() with AxisFacts.
+template <class Machine>
+PlayedArm arm_in_degrees(Machine& machine, int& ended, double speed_up) {
+  PlayedArm out;
+  out.still = [&machine] { return machine.still(); };
+  out.may_move = [&machine] { return machine.may_move(); };
+  out.follow = [&machine](const Six& next) { machine.drive(wire::scaled(next, wire::kDegrees)); };
+  out.ended = [&ended](int number) { ended = number; };
+  out.flange = [&machine](const Six& q, std::array<double, 36>& J) {
+    return machine.options().facts.tool_flange->jacobian(q, J);
+  };
+  out.velocity = wire::scaled(machine.options().facts.velocity, wire::kRadians);
+  out.acceleration = wire::scaled(out.velocity, 1 / speed_up);
+  return out;
+}
 
 /// A move runs at its speed and acceleration on its way. With a blend it ends that far before its corner and
 /// goes on, on a curve in joint space, into the next move as far behind the corner. The pace scales time. The

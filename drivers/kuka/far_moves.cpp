@@ -10,32 +10,19 @@
 
 namespace polyarm::kuka {
 
+using wire::scaled;
+
 namespace {
 
 constexpr double kSpeedUp = 0.2;  // s, of an axis to its full speed
 constexpr double kPathSpeed = 3;  // m/s ($VEL_MA.CP)
 
-Six scaled(const Six& six, double by) {
-  Six out;
-  for (std::size_t i = 0; i < 6; ++i) out[i] = by * six[i];
-  return out;
-}
-
 forward::PlayedArm arm_of(Machine& machine, int& ended) {
-  forward::PlayedArm out;
+  forward::PlayedArm out = forward::arm_in_degrees(machine, ended, kSpeedUp);
   out.q = [&machine, q = Six{}]() mutable -> const Six& {
     return q = scaled(machine.setpoint(), wire::kRadians);
   };
-  out.still = [&machine] { return machine.still(); };
-  out.may_move = [&machine] { return machine.may_move(); };
-  out.follow = [&machine](const Six& next) { machine.drive(scaled(next, 1 / wire::kRadians)); };
   out.refuse = [&machine] { machine.stop_with_message(); };
-  out.ended = [&ended](int number) { ended = number; };
-  out.flange = [&machine](const Six& q, std::array<double, 36>& J) {
-    return machine.options().facts.tool_flange->jacobian(q, J);
-  };
-  out.velocity = scaled(machine.options().facts.velocity, wire::kRadians);
-  out.acceleration = scaled(out.velocity, 1 / kSpeedUp);
   return out;
 }
 

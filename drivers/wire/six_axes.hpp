@@ -18,6 +18,11 @@ namespace polyarm::wire {
 
 inline constexpr double kRadians = std::numbers::pi / 180;  ///< rad in a degree
 inline constexpr double kDegrees = 180 / std::numbers::pi;  ///< degrees in a rad
+inline Six scaled(const Six& six, double by) noexcept {
+  Six out;
+  for (std::size_t i = 0; i < 6; ++i) out[i] = by * six[i];
+  return out;
+}
 
 /// The joints that a component with one robot of six axes drives, from base to tool: those of its
 /// <ros2_control> block, else the first six of the model. Commands must be among `takes`; what is wrong goes

@@ -12,6 +12,7 @@
 
 namespace polyarm::yaskawa {
 
+using wire::scaled;
 using Kind = hardware::ForwardMove::Kind;
 using Reader = wire::OrderedReader;
 using Writer = wire::OrderedWriter;
@@ -24,12 +25,6 @@ constexpr double kRamp = 0.2;              // s, of an axis to its full speed
 constexpr double kLineAcceleration = 2.5;  // m/s²
 constexpr double kTooFast = 1.1;           // of the speed of an axis
 constexpr std::uint32_t kSegment = 4414, kPulseLimit = 4416;
-
-Six scaled(const Six& six, double by) {
-  Six out;
-  for (std::size_t i = 0; i < 6; ++i) out[i] = by * six[i];
-  return out;
-}
 
 HsesCommand command_of(char letter) {
   return letter == 'B'   ? HsesCommand::byte

@@ -30,32 +30,12 @@ TEST(KukaForward, ALineIsStraight) {
 /// The tool is not that of the flange: the controller gets it before the first move.
 TEST(KukaForward, ALineOfATcpThatIsTurnedEndsWhereItShould) {
   ForwardRig rig;
-  ASSERT_TRUE(rig.start()) << rig.component.reason();
-  ASSERT_TRUE(rig.passes(5));
-  ForwardMove line = rig.shift({0.02, -0.1, 0.05});
-  const Pose tool{{0.03, -0.01, 0.12}, from_rpy(0.3, -0.4, 0.5)};
-  line.at = line.at * tool;
-  ASSERT_TRUE(rig.moves->accept(line));
-  ASSERT_TRUE(rig.passes_until([&] { return rig.done(); }));
-  for (std::size_t j = 0; j < 6; ++j) EXPECT_NEAR(rig.q()[j], (*rig.target)[j], 1e-4) << j;
+  expect_line_of_a_turned_tcp_ends_at_its_target(rig);
 }
 
 TEST(KukaForward, AToolThatOnlyTurnsTakesItsTime) {
   ForwardRig rig;
-  ASSERT_TRUE(rig.start()) << rig.component.reason();
-  ASSERT_TRUE(rig.passes(20));
-  ForwardMove turn = rig.turn(0);
-  turn.joints[5] += 0.5;
-  turn.at = kuka_chain().forward(std::span(turn.joints).first(6));
-  turn.kind = ForwardMove::Kind::line;
-  turn.speed = 0;
-  turn.duration = 1.5;
-  ASSERT_TRUE(rig.moves->accept(turn));
-  int cycles = 0;
-  ASSERT_TRUE(rig.passes_until([&] { return ++cycles, rig.done(); }));
-  EXPECT_NEAR(rig.q()[5], turn.joints[5], 1e-4);
-  EXPECT_GT(cycles * 0.004, 1.3);
-  EXPECT_LT(cycles * 0.004, 2.2);
+  expect_turn_of_the_tool_takes_its_time(rig, 0.004);
 }
 
 TEST(KukaForward, AnArcPassesItsPoint) {

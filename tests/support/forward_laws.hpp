@@ -32,6 +32,35 @@ template <class Rig>
   return rig.passes(cycles);
 }
 
+/// The tool is not that of the flange: the controller gets it before the first move.
+template <class Rig>
+void expect_line_of_a_turned_tcp_ends_at_its_target(Rig& rig) {
+  ASSERT_TRUE(begins(rig));
+  hardware::ForwardMove line = rig.shift({0.02, -0.1, 0.05});
+  line.at = line.at * Pose{{0.03, -0.01, 0.12}, from_rpy(0.3, -0.4, 0.5)};
+  ASSERT_TRUE(rig.moves->accept(line));
+  ASSERT_TRUE(rig.passes_until([&] { return rig.done(); }));
+  expect_at(rig.q(), *rig.target, 1e-4);
+}
+
+/// Half a rad of the last joint in 1.5 s; `period`: of a cycle, s.
+template <class Rig>
+void expect_turn_of_the_tool_takes_its_time(Rig& rig, double period) {
+  ASSERT_TRUE(begins(rig, 20));
+  hardware::ForwardMove turn = rig.turn(0);
+  turn.joints[5] += 0.5;
+  turn.at = Rig::chain().forward(std::span(turn.joints).first(6));
+  turn.kind = hardware::ForwardMove::Kind::line;
+  turn.speed = 0;
+  turn.duration = 1.5;
+  ASSERT_TRUE(rig.moves->accept(turn));
+  int cycles = 0;
+  ASSERT_TRUE(rig.passes_until([&] { return ++cycles, rig.done(); }));
+  EXPECT_NEAR(rig.q()[5], turn.joints[5], 1e-4);
+  EXPECT_GT(cycles * period, 1.3);
+  EXPECT_LT(cycles * period, 2.2);
+}
+
 template <class Rig>
 void expect_nothing_moves_before_a_move(Rig& rig, int cycles = 100) {
   const auto before = rig.q();
