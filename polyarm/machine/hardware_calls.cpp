@@ -12,8 +12,11 @@ namespace polyarm::cell {
 void HardwareCalls::start(std::shared_ptr<hardware::Transition> transition) {
   // Detached, so a device that never answers cannot block the process. After a timeout the component is
   // abandoned.
-  left_ = nullptr;
-  std::thread([transition] { transition->run(); }).detach();
+  std::thread([transition = std::move(transition)] { transition->run(); }).detach();
+}
+
+void HardwareCalls::begin(const std::shared_ptr<hardware::Transition>& transition) {
+  start(transition);
   if (waits_) await(*transition);
 }
 
@@ -26,13 +29,11 @@ void HardwareCalls::report_waiting(const hardware::Transition& transition, Nanos
 bool HardwareCalls::give_up(const hardware::Transition& transition, Nanoseconds waited) {
   if ((wait_limit_ < 0 || waited < wait_limit_) && !(asked_ && asked_())) return false;
   report_waiting(transition, waited, "the cell stops waiting for it, and leaves it as it is");
-  left_ = &transition;
   return true;
 }
 
 bool HardwareCalls::await(const hardware::Transition& transition) {
   constexpr Nanoseconds kLook = 100'000'000;
-  if (&transition == left_) return transition.done();
   Nanoseconds waited = 0, next_report = kWorthReporting;
   for (;;) {
     Nanoseconds next = wait_limit_ < 0 ? next_report : std::min(next_report, wait_limit_);
@@ -60,7 +61,7 @@ bool HardwareCalls::advance(hardware::Hardware& hardware, std::shared_ptr<hardwa
     since_.erase(transition.get());
     const auto done = std::exchange(transition, nullptr);
     transition = hardware.finish(*done);
-    if (transition) start(transition);
+    if (transition) begin(transition);
   }
   return true;
 }
@@ -71,7 +72,7 @@ void HardwareCalls::tick(hardware::Hardware& hardware, Nanoseconds now) {
     try {
       if (!each->running && !hardware.pending(each->component)) {
         each->running = hardware.begin(each->component, each->step);
-        start(each->running);
+        begin(each->running);
       }
       over = each->running && advance(hardware, each->running, now);
     } catch (const Error& e) {

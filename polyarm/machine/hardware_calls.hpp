@@ -13,7 +13,7 @@
 namespace polyarm::cell {
 
 /// Runs each callback on a thread of its own, so a slow device only delays the client that asked for it. In
-/// lock-step the cell waits for each callback, as await() does, so that runs are repeatable. Cell thread.
+/// lock-step the cell waits for each callback, so that runs are repeatable. Cell thread.
 class HardwareCalls : public hardware::Caller {
  public:
   /// Waiting is reported after this time, ns, and again each time it has doubled.
@@ -30,6 +30,9 @@ class HardwareCalls : public hardware::Caller {
   /// times per second.
   void give_up_when(std::function<bool()> asked) { asked_ = std::move(asked); }
 
+  /// While the cell runs: starts a transition, which advance() then follows. In lock-step it waits as
+  /// await().
+  void begin(const std::shared_ptr<hardware::Transition>& transition);
   /// While the cell runs: advances a transition that was started; true when it is done. `now`: cell time.
   /// Throws like Hardware::finish().
   bool advance(hardware::Hardware& hardware, std::shared_ptr<hardware::Transition>& transition,
@@ -52,7 +55,6 @@ class HardwareCalls : public hardware::Caller {
   Observer& observer_;
   Nanoseconds wait_limit_ = -1;  // < 0: no limit
   std::function<bool()> asked_;
-  const hardware::Transition* left_ = nullptr;  // that await() gave up last
   std::list<Wanted> wanted_;
   struct Since {
     Nanoseconds begun, next_report;

@@ -62,7 +62,7 @@ Poll<Done> wait_for(std::shared_ptr<realtime::Job> job) {
 
 /// Runs a callback of the component, on a thread of its own where the cell has one, and waits for it.
 Poll<Done> follow(Machine& machine, std::shared_ptr<hardware::Transition> transition) {
-  machine.calls().start(transition);
+  machine.calls().begin(transition);
   return [&machine, transition]() mutable {
     const bool over = machine.calls().advance(machine.hardware(), transition, machine.now());
     return over ? Progress<Done>::done({}) : Progress<Done>{};
