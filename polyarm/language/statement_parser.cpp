@@ -269,11 +269,10 @@ void parse_call(const Line& line, Statement& out) {
   TokenCursor cursor(line.source.tokens);
   out.expression = cursor.expression();
   if (!cursor.at_end() && out.expression->kind == Expression::Kind::call)
-    for (const Word& word : words())
-      if (word.role == WordRole::statement && word.name == out.expression->name)
-        throw SyntaxError{"unexpected", line.source.place,
-                          "'" + out.expression->name + "' is a statement, not a function",
-                          "write `" + std::string(word.form) + "`"};
+    if (const Word* const word = statement_named(out.expression->name))
+      throw SyntaxError{"unexpected", line.source.place,
+                        "'" + out.expression->name + "' is a statement, not a function",
+                        "write `" + std::string(word->form) + "`"};
   cursor.expect_end("the call");
   if (out.expression->kind != Expression::Kind::call)
     throw SyntaxError{"unexpected", line.source.place, "a value alone is not a statement",

@@ -369,6 +369,12 @@ bool is_statement_word(const std::string& word) {
   return all.contains(word);
 }
 
+const Word* statement_named(std::string_view name) {
+  for (const Word& word : words())
+    if (word.role == WordRole::statement && word.name == name) return &word;
+  return nullptr;
+}
+
 bool is_closer(std::string_view name) {
   return name.starts_with("end") && std::any_of(words().begin(), words().end(), [&](const Word& word) {
            return word.role == WordRole::closer && word.name == name;

@@ -30,6 +30,8 @@ const std::vector<Word>& words();
 const std::vector<std::string>& statement_words();
 bool is_statement_word(const std::string& word);
 bool is_closer(std::string_view word);
+/// The statement that begins with this name, lower case; null: none does.
+const Word* statement_named(std::string_view name);
 
 /// The reference page: every word and function with an example, as Markdown.
 std::string language_reference();

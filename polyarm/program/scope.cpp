@@ -416,12 +416,11 @@ Type Scope::infer_call(const Expression& e) {
       error("unknown-function", e.place, "there is no function '" + e.name + "'", foreign->instead);
       return kUnknown;
     }
-    for (const Word& word : words())
-      if (word.role == WordRole::statement && word.name == e.name) {
-        error("unknown-function", e.place, "'" + e.name + "' is a statement, not a function",
-              "write `" + std::string(word.form) + "`");
-        return kUnknown;
-      }
+    if (const Word* const word = statement_named(e.name)) {
+      error("unknown-function", e.place, "'" + e.name + "' is a statement, not a function",
+            "write `" + std::string(word->form) + "`");
+      return kUnknown;
+    }
     std::vector<std::string> all;
     for (const Statement* each : functions) all.push_back(each->name);
     const bool has_tests = !tests(program_).empty();
