@@ -426,7 +426,7 @@ class Writer {
     tool_excludes(r, rigid);
   }
 
-  /// What stands in a belt, or beside it, would stop its surface. Parts and robots touch it.
+  /// A fixture that reaches into a belt would stop its surface. Only parts and robots touch belts.
   void belt_excludes(const description::Scene& scene) {
     const auto exclude = [&](std::size_t belt, const std::string& other) {
       line("<exclude body1=\"{}\" body2=\"{}\"/>", belt_name(belt), other);

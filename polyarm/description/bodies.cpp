@@ -70,10 +70,10 @@ bool is_passive(const RobotModel& model, const std::string& joint) {
 }
 
 bool is_behind(const RobotModel& model, std::size_t link, const std::vector<int>& joints) {
-  for (int joint = model.links[link].parent_joint; joint >= 0;) {
-    if (std::find(joints.begin(), joints.end(), joint) != joints.end()) return true;
-    joint = model.links[static_cast<std::size_t>(model.joints[static_cast<std::size_t>(joint)].parent_link)]
-                .parent_joint;
+  for (const Joint* joint = joint_above(model, link); joint; joint = joint_above(model, link)) {
+    const int index = model.links[link].parent_joint;
+    if (std::find(joints.begin(), joints.end(), index) != joints.end()) return true;
+    link = static_cast<std::size_t>(joint->parent_link);
   }
   return false;
 }

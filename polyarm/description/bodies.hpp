@@ -20,9 +20,10 @@ std::vector<std::string> links_without_body(const RobotModel& model);
 ///
 /// `wheel_joints`: indices of the joints that the controller of its base names, wheels and steering. All
 /// links behind them are wheels, whatever their shapes. So are the casters: links at the end of a continuous
-/// joint with a horizontal axis, behind joints that only swivel (continuous, vertical) or that nothing
-/// commands. Where no controller says it, the robot has wheels if two links or more look like wheels: they
-/// have a cylinder or sphere, on a continuous joint with a horizontal axis, and carry no other joint.
+/// joint with a horizontal axis, no more than 5 cm higher than these wheels, behind joints that only swivel
+/// (continuous, vertical) or that nothing commands. Where no controller says it, the robot has wheels if two
+/// links or more look like wheels: they have a cylinder or sphere, on a continuous joint with a horizontal
+/// axis, and carry no other joint.
 std::vector<char> links_on_the_floor(const RobotModel& model, bool is_freestanding,
                                      const std::vector<int>& wheel_joints = {});
 

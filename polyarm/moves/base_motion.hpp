@@ -173,7 +173,7 @@ class BaseMotion {
   double pace_ = 1;             // speed of the plan's time
   double slow_ = 1;             // the same, below most_
   double most_ = std::numeric_limits<double>::infinity();
-  Nanoseconds last_ = -1, heard_ = 0;  ///< of the last tick; stamp of the newest odometry
+  Nanoseconds last_ = -1, heard_ = 0;  ///< of the last tick with a move; stamp of the newest odometry
   double unheard_ = 0;                 ///< s since it came
   Nanoseconds now_ = 0;                ///< of the last tick
   std::optional<RollOut> rolls_out_;
