@@ -11,7 +11,6 @@
 #include "apps/verb.hpp"
 #include "polyarm/base/error.hpp"
 #include "polyarm/base/printable.hpp"
-#include "polyarm/base/text.hpp"
 #include "polyarm/users/audit_log.hpp"
 #include "polyarm/users/user_list.hpp"
 
@@ -27,24 +26,6 @@ struct AuditArguments {
   std::size_t count = 0;
   bool refused = false, json = false;
 };
-
-/// "2h", "30min", "7d" ago, or the beginning of a time in UTC: "2026-11-28T10". The result compares with the
-/// times of entries as text.
-std::string since_time(const std::string& text) {
-  if (text.empty() || text.find('-') != std::string::npos) return text;
-  const std::size_t digits = text.find_first_not_of("0123456789.");
-  const auto number = parse_number(text.substr(0, digits));
-  const std::string unit = digits == std::string::npos ? "" : text.substr(digits);
-  const double each = unit == "s" ? 1 : unit == "min" ? 60 : unit == "h" ? 3600 : unit == "d" ? 86400 : 0;
-  if (!number || each == 0 || *number * each > 1e10)
-    throw WrongUse("bad-value", "'" + text + "' is no time", "--since 2h, 30min, 7d, or 2026-11-28T10:00");
-  const std::time_t then = std::time(nullptr) - static_cast<std::time_t>(*number * each);
-  std::tm parts{};
-  ::gmtime_r(&then, &parts);
-  char out[40];
-  std::strftime(out, sizeof out, "%Y-%m-%dT%H:%M:%S", &parts);
-  return out;
-}
 
 bool wanted(const Json& entry, const AuditArguments& a, const std::string& since) {
   const auto text = [&](const char* key) {
@@ -85,7 +66,7 @@ int run_audit(int argc, char** argv) {
   app.add_option("--request", a.request,
                  "only requests that begin with this: program, control.override, log-in");
   app.add_option("--cell", a.cell, "only this cell");
-  app.add_option("--since", a.since, "only from then on: 2h, 30min, 7d, or 2026-11-28T10:00 (UTC)");
+  app.add_option("--since", a.since, "only from then on: 2h, 30min or 7d ago, or 2026-11-28T10:00 (UTC)");
   app.add_flag("--refused", a.refused, "only what was refused");
   app.add_option("--count", a.count, "only the last so many");
   app.add_flag("--json", a.json, "the lines as they are stored");
@@ -93,7 +74,14 @@ int run_audit(int argc, char** argv) {
                        "polyarm audit --refused --json"}) +
              "\nExit codes: 0 done, 1 the log cannot be read, 2 wrong command line\n");
   if (const auto code = app.parse(argc, argv)) return *code;
-  const std::string since = since_time(a.since);
+  std::string since;
+  if (!a.since.empty()) {
+    const auto time = users::time_since(a.since, std::time(nullptr));
+    if (!time)
+      throw WrongUse("bad-value", "'" + a.since + "' is no time",
+                     "--since 2h, 30min, 7d, or 2026-11-28T10:00");
+    since = *time;
+  }
   std::deque<std::string> kept;
   const auto show = [&](const std::string& line) {
     if (a.json)

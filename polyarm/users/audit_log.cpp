@@ -6,6 +6,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <cctype>
 #include <chrono>
 #include <condition_variable>
 #include <ctime>
@@ -36,17 +37,21 @@ using Clock = std::chrono::steady_clock;
 constexpr auto kMergeFor = std::chrono::seconds(1);
 constexpr std::size_t kLongestLine = bounds::kAuditLineBytes;
 
-std::string utc_now() {
-  const auto now = std::chrono::system_clock::now().time_since_epoch();
-  const auto ms = std::chrono::duration_cast<std::chrono::milliseconds>(now).count();
-  const std::time_t seconds = static_cast<std::time_t>(ms / 1000);
+/// "2026-11-28T10:15:02"
+std::string utc_text(std::time_t seconds) {
   std::tm parts{};
   ::gmtime_r(&seconds, &parts);
   char text[80];
-  std::snprintf(text, sizeof text, "%04d-%02d-%02dT%02d:%02d:%02d.%03dZ", parts.tm_year + 1900,
-                parts.tm_mon + 1, parts.tm_mday, parts.tm_hour, parts.tm_min, parts.tm_sec,
-                static_cast<int>(ms % 1000));
+  std::strftime(text, sizeof text, "%Y-%m-%dT%H:%M:%S", &parts);
   return text;
+}
+
+std::string utc_now() {
+  const auto now = std::chrono::system_clock::now().time_since_epoch();
+  const auto ms = std::chrono::duration_cast<std::chrono::milliseconds>(now).count();
+  char part[16];
+  std::snprintf(part, sizeof part, ".%03dZ", static_cast<int>(ms % 1000));
+  return utc_text(static_cast<std::time_t>(ms / 1000)) + part;
 }
 
 bool is_secret_key(const std::string& key) {
@@ -327,6 +332,39 @@ void AuditLog::add(AuditEntry entry) {
 }
 void AuditLog::flush() {
   work_->flush();
+}
+
+namespace {
+/// True for "2026-11-28", and for that with hours, minutes, seconds or milliseconds behind it.
+bool is_time(const std::string& text) {
+  constexpr std::string_view kForm = "dddd-dd-ddTdd:dd:dd.ddd";
+  const std::size_t size = text.size();
+  if (size != 10 && size != 13 && size != 16 && size != 19 && size != 23) return false;
+  for (std::size_t i = 0; i < size; ++i)
+    if (kForm[i] == 'd' ? !std::isdigit(static_cast<unsigned char>(text[i])) : text[i] != kForm[i])
+      return false;
+  const auto part = [&](std::size_t at, std::size_t digits) {
+    return at < size ? static_cast<int>(*parse_number(text.substr(at, digits))) : 0;
+  };
+  const std::chrono::year_month_day date(std::chrono::year(part(0, 4)),
+                                         std::chrono::month(static_cast<unsigned>(part(5, 2))),
+                                         std::chrono::day(static_cast<unsigned>(part(8, 2))));
+  return date.ok() && part(11, 2) < 24 && part(14, 2) < 60 && part(17, 2) < 60;
+}
+}  // namespace
+
+std::optional<std::string> time_since(const std::string& text, std::time_t now) {
+  std::string time = text.ends_with('Z') ? text.substr(0, text.size() - 1) : text;
+  if (time.size() > 10 && time[10] == ' ') time[10] = 'T';
+  if (is_time(time)) return time;
+  const std::string span = text.starts_with('-') ? text.substr(1) : text;
+  const std::size_t digits = std::min(span.find_first_not_of("0123456789."), span.size());
+  const auto number = parse_number(span.substr(0, digits));
+  const std::string unit = span.substr(digits);
+  const double each = unit == "s" ? 1 : unit == "min" ? 60 : unit == "h" ? 3600 : unit == "d" ? 86400 : 0;
+  constexpr double kLongest = 1e10;  // s, about 300 years
+  if (!number || each == 0 || *number * each > kLongest) return std::nullopt;
+  return utc_text(now - static_cast<std::time_t>(*number * each));
 }
 
 std::size_t read_audit(const fs::path& folder, const std::function<void(const std::string&)>& take) {

@@ -2,9 +2,11 @@
 /// The audit log: who changed what, and when. One JSON object a line, appended to audit.jsonl; full files are
 /// renamed to audit.1.jsonl, audit.2.jsonl, … (1 is the newest of them), and the oldest is deleted.
 #include <cstdint>
+#include <ctime>
 #include <filesystem>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 
 #include "polyarm/base/bounds.hpp"
@@ -69,6 +71,11 @@ class AuditLog {
 inline std::filesystem::path audit_folder(const std::filesystem::path& folder) {
   return folder / "audit";
 }
+
+/// The beginning of a span, as text that compares with the times of entries: "2h", "30min" or "7d" before
+/// `now`, with or without a minus; or a date with as much of a time as is known, in UTC: "2026-11-28",
+/// "2026-11-28T10:15", "2026-11-28 10:15:02". Empty if `text` is no such time.
+std::optional<std::string> time_since(const std::string& text, std::time_t now);
 
 /// Calls `take` with each line from the oldest to the newest; returns the number of lines that are not JSON
 /// objects.

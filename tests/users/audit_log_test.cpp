@@ -217,5 +217,21 @@ TEST(AuditedRequests, ShowNoSecretsAndNoLongTexts) {
   EXPECT_LE(arguments_text(protocol::Any(many)).size(), kAuditArguments);
 }
 
+TEST(AuditLog, ATimeIsASpanBeforeNowOrADateInUtc) {
+  constexpr std::time_t now = 1795860902;  // 2026-11-28T10:15:02
+  EXPECT_EQ(time_since("2h", now), "2026-11-28T08:15:02");
+  EXPECT_EQ(time_since("-2h", now), "2026-11-28T08:15:02");
+  EXPECT_EQ(time_since("1.5h", now), "2026-11-28T08:45:02");
+  EXPECT_EQ(time_since("30min", now), "2026-11-28T09:45:02");
+  EXPECT_EQ(time_since("-7d", now), "2026-11-21T10:15:02");
+  EXPECT_EQ(time_since("2026-11-28", now), "2026-11-28");
+  EXPECT_EQ(time_since("2026-11-28T10", now), "2026-11-28T10");
+  EXPECT_EQ(time_since("2026-11-28 10:15:02Z", now), "2026-11-28T10:15:02");
+  for (const char* wrong :
+       {"", "-", "2", "h", "-h", "2x", "--2h", "2-h", "yesterday", "last-week", "2026-13-01", "2026-02-30",
+        "2026-11-28T24:00", "2026-11-28T1", "2026-1-1", "28-11-2026", "1e9d", "99999999999d"})
+    EXPECT_FALSE(time_since(wrong, now)) << wrong;
+}
+
 }  // namespace
 }  // namespace polyarm::users
