@@ -183,14 +183,15 @@ std::unique_ptr<server::Pendant> open_pendant(const PendantArguments& a,
 }
 
 void announce(const server::Pendant& pendant, const PendantArguments& a, cell::Observer& observer) {
-  if (const std::string link = pendant.outside_link(); !link.empty()) {
-    observer.on_note("pendant on other machines: " + link);
-    if (a.in_clear)
-      observer.on_note(
-          "warning: --in-clear: nothing is encrypted; anyone on the network can read the token and move the "
-          "robot");
-    else
-      observer.on_note("its certificate, which the browser shows as SHA-256: " + pendant.fingerprint());
+  const std::string link = pendant.outside_link();  // empty: the machine has no network yet
+  if (!link.empty()) observer.on_note("pendant on other machines: " + link);
+  if (!link.empty() && a.in_clear)
+    observer.on_note(
+        "warning: --in-clear: nothing is encrypted; anyone on the network can read the token and move the "
+        "robot");
+  if (!pendant.fingerprint().empty())
+    observer.on_note("its certificate, which the browser shows as SHA-256: " + pendant.fingerprint());
+  if (!link.empty()) {
     observer.on_note("to watch alone: " + pendant.link_for(protocol::Role::watch));
     if (::isatty(STDOUT_FILENO) != 0) print_code(link);
   }
