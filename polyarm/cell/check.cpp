@@ -125,7 +125,8 @@ class Checker {
     collect(problems_, [&] {  // malformed tags still count as known names
       std::error_code ignored;
       if (file_.signals.empty() || !std::filesystem::exists(beside(file_.signals), ignored)) return;
-      for (const std::string& tag : Yaml::load(beside(file_.signals))["tags"].keys())
+      const std::string path = beside(file_.signals);
+      for (const std::string& tag : Yaml::parse(read_file(path, bounds::kYamlBytes), path)["tags"].keys())
         known.names.try_emplace(tag);
     });
     std::filesystem::path script, plc;

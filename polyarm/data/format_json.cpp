@@ -9,6 +9,7 @@
 #include "polyarm/data/import_format.hpp"
 #include "polyarm/data/literal.hpp"
 #include "polyarm/yaml/yaml.hpp"
+#include "polyarm/yaml/yaml_repeats.hpp"
 
 namespace polyarm::data {
 
@@ -245,7 +246,11 @@ void read_json(std::string_view text, const std::string& file, DataSet& out, Pro
 }
 
 void read_yaml(std::string_view text, const std::string& file, DataSet& out, Problems& problems) {
-  collect(problems, [&] { read_tree(tree_of(Yaml::parse(text, file)), file, out, problems); });
+  collect(problems, [&] {
+    const Yaml yaml = Yaml::parse(text, file);
+    check_repeats(yaml, problems);
+    read_tree(tree_of(yaml), file, out, problems);
+  });
 }
 
 std::string write_json(const DataSet& set) {

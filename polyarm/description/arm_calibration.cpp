@@ -20,11 +20,7 @@ ArmCalibration read_arm_calibration(const std::filesystem::path& path) {
   collect(problems, [&] { out.robot = yaml["robot"].text(""); });
   collect(problems, [&] { out.source = yaml["source"].text(""); });
   for (const Yaml::Entry& entry : yaml["joints"].entries())
-    collect(problems, [&] {
-      if (out.origins.contains(entry.key))
-        throw Error(Problem{"bad-value", entry.where, "the joint '" + entry.key + "' occurs twice", {}});
-      out.origins[entry.key] = entry.value.pose();
-    });
+    collect(problems, [&] { out.origins[entry.key] = entry.value.pose(); });
   if (out.origins.empty() && !problems.has_errors())
     problems.error("missing-key", yaml.where(), "the calibration has no joints", "write it again");
   problems.throw_if_errors();

@@ -14,7 +14,6 @@
 #include "polyarm/base/secrets.hpp"
 #include "polyarm/base/text.hpp"
 #include "polyarm/yaml/yaml.hpp"
-#include "polyarm/yaml/yaml_repeats.hpp"
 
 namespace polyarm::fleet {
 
@@ -108,8 +107,6 @@ std::string read_token_file(const fs::path& file) {
 Site read_site_file(const fs::path& file) {
   const Yaml root = Yaml::load(file.string());
   Problems problems;
-  check_repeats(root, problems);  // two cells of one name would both be the second one
-  problems.throw_if_errors();
   root.check_keys({"polyarm", "name", "cells"}, problems);
   if (root["polyarm"].text("") != "site/1")
     throw Error(

@@ -13,7 +13,6 @@
 #include "polyarm/setup/door_kinds.hpp"
 #include "polyarm/setup/teleop_entries.hpp"
 #include "polyarm/yaml/yaml.hpp"
-#include "polyarm/yaml/yaml_repeats.hpp"
 
 namespace polyarm::cell {
 
@@ -383,7 +382,6 @@ CellFile read_cell_file(const std::filesystem::path& given, const Overrides& ove
   const Yaml yaml = Yaml::load(cell.path.string());
   Problems problems;
   check_kind(yaml, problems);
-  check_repeats(yaml, problems);
   std::vector<std::string> keys{"polyarm",  "rate",    "robots",  "scene",    "controllers", "activate",
                                 "send",     "plugins", "budget",  "signals",  "program",     "plc",
                                 "motion",   "loop",    "profile", "profiles", "workspace",   "record",

@@ -12,6 +12,7 @@
 #include "polyarm/base/printable.hpp"
 #include "polyarm/base/text.hpp"
 #include "polyarm/yaml/yaml_document.hpp"
+#include "polyarm/yaml/yaml_repeats.hpp"
 
 namespace polyarm {
 
@@ -83,7 +84,11 @@ Yaml Yaml::parse(std::string_view text, std::string name) {
 }
 
 Yaml Yaml::load(const std::string& path) {
-  return parse(read_file(path, bounds::kYamlBytes), path);
+  Yaml out = parse(read_file(path, bounds::kYamlBytes), path);
+  Problems problems;
+  check_repeats(out, problems);
+  problems.throw_if_errors();
+  return out;
 }
 
 bool Yaml::defined() const {

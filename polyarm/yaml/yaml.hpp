@@ -16,7 +16,10 @@ namespace polyarm {
 /// Accessors throw Error("bad-value" | "missing-key") with the node's place.
 class Yaml {
  public:
+  /// Reads a file in one of Polyarm's own formats. A key that a map defines twice is an error
+  /// ("duplicate-name").
   static Yaml load(const std::string& path);
+  /// Of a repeated key the last value counts, as in ROS. `check_repeats` reports repeated keys.
   static Yaml parse(std::string_view text, std::string name);
   Yaml();
   Yaml(const Yaml&);

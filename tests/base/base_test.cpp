@@ -10,6 +10,7 @@
 #include "polyarm/base/quantity.hpp"
 #include "polyarm/base/text.hpp"
 #include "polyarm/yaml/yaml.hpp"
+#include "tests/support/folder.hpp"
 
 namespace polyarm {
 namespace {
@@ -141,6 +142,21 @@ TEST(Yaml, PairsKeepTheirOrderAndPlacesAlsoOfKeysThatStandTwice) {
   EXPECT_EQ(entries[2].value.text(), "2");
   EXPECT_FALSE(entries[1].value.defined());
   EXPECT_TRUE(entries[0].value.entries().empty());
+}
+
+TEST(YamlFile, WithAKeyThatIsDefinedTwiceIsRefused) {
+  const test::Folder folder;
+  const std::string path =
+      folder.write("arm.yaml", "joints:\n  a: {zero: 1}\n  b: {zero: 2, zero: 3}\n  a: {}\n");
+  try {
+    Yaml::load(path);
+    FAIL() << "was accepted";
+  } catch (const Error& e) {
+    ASSERT_EQ(e.problems().size(), 2u);
+    EXPECT_EQ(e.problems()[0].where.line, 3);
+    EXPECT_EQ(e.problems()[1].text(), path + ":4:3: error: 'a' is defined twice, here and in line 2 " +
+                                          "(rename one of them, or take it away)");
+  }
 }
 
 TEST(YamlFile, NamesThePlaceOfWhatIsWrong) {

@@ -182,6 +182,9 @@ TEST_F(Mistakes, AKeyThatIsDefinedTwiceIsAnErrorInEveryFile) {
                "  cube: {box: [50mm, 50mm, 50mm], mass: 1, at: [2, 0, 0]}\n");
   cell("", "scene: scene.yaml\n");
   EXPECT_EQ(both().find("scene.yaml:4 'cube' is defined twice, here and in line 3 (rename"), 0u) << checked();
+  folder.write("cup.yaml", "kind: suction\nmass: 1kg\nmass: 2kg\n");
+  cell(", tool: cup");
+  EXPECT_EQ(both().find("cup.yaml:3 'mass' is defined twice, here and in line 2 (rename"), 0u) << checked();
 }
 
 TEST_F(Mistakes, ALiveDataSetWithoutAFileIsToldWithTheNearest) {

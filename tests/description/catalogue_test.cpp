@@ -551,6 +551,7 @@ INSTANTIATE_TEST_SUITE_P(
         Bad{"CoupledJointUnknown", "named_states:",
             "controller_axes:\n  source: a\n  display: {lift: {coupling: {lfit: 1}}}\nnamed_states:", 13,
             "did you mean 'lift'"},
+        Bad{"LimitTwice", "upper: 50mm", "upper: 50mm, upper: 60mm", 7, "'upper' is defined twice"},
         Bad{"Syntax", "links:", "links: [", 9, "not valid YAML"}),
     [](const auto& test) { return std::string(test.param.name); });
 
