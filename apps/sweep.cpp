@@ -213,8 +213,9 @@ int sweep(SweepArguments& a) {
   const description::Catalogue catalogue = open_catalogue();
   const Opened opened = open_sweep(a, catalogue);
   const sweeps::Variants variants(opened.sweep);
-  if (a.slurm > 0) return write_job(a, opened);
   if (a.show) return show(a, opened, catalogue);
+  check_names(opened.sweep, catalogue);
+  if (a.slurm > 0) return write_job(a, opened);
   const sweeps::Shard shard = a.shard.empty() ? sweeps::Shard{} : sweeps::read_shard(a.shard);
   const fs::path file = sweeps::results_file(opened.out, shard), whole = sweeps::results_file(opened.out);
   sweeps::Store store(file, sweeps::Store::Open::write);

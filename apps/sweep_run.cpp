@@ -7,12 +7,14 @@
 #include <chrono>
 #include <cstdio>
 #include <map>
+#include <nlohmann/json.hpp>
 #include <utility>
 
 #include "apps/apart.hpp"
 #include "apps/client.hpp"
 #include "apps/scratch.hpp"
 #include "apps/terminal.hpp"
+#include "polyarm/sweeps/names.hpp"
 #include "polyarm/sweeps/run_variant.hpp"
 
 namespace polyarm::apps {
@@ -102,6 +104,29 @@ std::string duration_text(double seconds) {
   if (whole < 3600) return fmt::format("{} min {:02} s", whole / 60, whole % 60);
   if (whole < 48 * 3600) return fmt::format("{} h {:02} min", whole / 3600, whole / 60 % 60);
   return fmt::format("{:.1f} days", seconds / 86400);
+}
+
+void check_names(const sweeps::Sweep& sweep, const description::Catalogue& catalogue) {
+  using nlohmann::json;
+  const Scratch scratch("sweep");
+  Problems problems;
+  const auto look = [&](std::size_t) {
+    Problems found;
+    collect(found, [&] {
+      for (const Problem& p : sweeps::unknown_names(sweep, catalogue, scratch.of(0))) found.add(p);
+    });
+    json out = json::array();
+    for (const Problem& p : found.list())
+      if (p.severity == Severity::error)
+        out.push_back({p.code, p.where.file, p.where.line, p.where.column, p.what, p.advice});
+    return out.dump(-1, ' ', false, json::error_handler_t::replace);
+  };
+  run_apart(1, 1, sweep.patience, look, [&](std::size_t, const ApartResult& result) {
+    if (!result.said) return;  // it crashed: the rows of the variants say why
+    for (const json& p : json::parse(*result.said))
+      problems.error(p[0], Location{p[1], p[2], p[3]}, p[4], p[5]);
+  });
+  problems.throw_if_errors();
 }
 
 SweepProgress run_variants(const SweepWork& work) {

@@ -36,6 +36,9 @@ struct SweepProgress {
   double cost_s = 0, cost_least_s = 0, cost_most_s = 0;  ///< wall time of all variants of this run; of one
 };
 
+/// Throws Error that lists the names of the sweep that its cell does not have. Looks in a process of its own.
+void check_names(const sweeps::Sweep& sweep, const description::Catalogue& catalogue);
+
 /// Ctrl-C ends it: variants under way are dropped, and the next run makes them.
 SweepProgress run_variants(const SweepWork& work);
 

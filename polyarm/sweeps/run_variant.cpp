@@ -18,6 +18,7 @@
 #include "polyarm/inside/inside.hpp"
 #include "polyarm/io/typed_words.hpp"
 #include "polyarm/sweeps/measures.hpp"
+#include "polyarm/sweeps/names.hpp"
 #include "polyarm/sweeps/variants.hpp"
 
 namespace polyarm::sweeps {
@@ -28,23 +29,6 @@ namespace fs = std::filesystem;
 
 class Quiet : public cell::Observer {};
 
-std::size_t index_of_robot(const Sweep& sweep, const cell::CellFile& file) {
-  std::vector<std::string> names;
-  for (const cell::RobotEntry& robot : file.robots) names.push_back(robot.name);
-  if (sweep.robot.empty()) {
-    if (names.size() == 1) return 0;
-    throw Error("unknown-robot",
-                "the cell has several robots, and the sweep does not say which one is changed",
-                "robot: " + join(names, " or "));
-  }
-  const auto at = std::find(names.begin(), names.end(), sweep.robot);
-  if (at == names.end())
-    throw Error("unknown-robot",
-                "the cell has no robot '" + sweep.robot + "'" + did_you_mean(sweep.robot, names),
-                "robots are " + join(names, ", "));
-  return static_cast<std::size_t>(at - names.begin());
-}
-
 void put_base(cell::RobotEntry& robot, const Sweep& sweep, const Variant& variant, Deviations& random) {
   const Place& place = variant.place;
   Vec3& at = robot.base.position;
@@ -54,20 +38,6 @@ void put_base(cell::RobotEntry& robot, const Sweep& sweep, const Variant& varian
   if (!place.yaw && sweep.vary.yaw == 0) return;
   const Vec3 rpy = to_rpy(robot.base.rotation);
   robot.base.rotation = from_rpy(rpy.x, rpy.y, place.yaw.value_or(rpy.z) + sweep.vary.yaw * turn);
-}
-
-/// The value that a text means for a name, by the kind of its present value.
-data::Value value_of(const std::string& text, const data::Value& now, const std::string& name) {
-  if (now.as_text()) return text;
-  if (now.as_boolean()) {
-    const std::string word = lower(text);
-    if (word == "true" || word == "on" || word == "1") return true;
-    if (word == "false" || word == "off" || word == "0") return false;
-  }
-  if (const data::Number* number = now.as_number())
-    if (const auto value = parse_quantity(text, number->dimension))
-      return data::Number{*value, number->dimension};
-  throw Error("bad-value", "'" + text + "' is no value for " + name + ", which is " + data::name(now.kind()));
 }
 
 void put_values(cell::CellInside& cell, const Sweep& sweep, const Variant& variant, Deviations& random) {
@@ -238,12 +208,7 @@ cell::CellOptions options_of(const Sweep& sweep, const fs::path& state_folder) {
 void run_cell(const Sweep& sweep, const Variant& variant, const description::Catalogue& catalogue,
               const fs::path& state_folder, Row& row) {
   Deviations random(variant.seed);
-  cell::Overrides overrides;
-  overrides.hardware = sweep.hardware;
-  overrides.program = variant.program;
-  if (!variant.robot.empty())
-    overrides.robot = sweep.robot.empty() ? variant.robot : sweep.robot + "=" + variant.robot;
-  cell::CellFile file = cell::read_cell_file(sweep.cell, overrides);
+  cell::CellFile file = cell::read_cell_file(sweep.cell, overrides_of(sweep, variant.robot, variant.program));
   const std::size_t robot = index_of_robot(sweep, file);
   put_base(file.robots[robot], sweep, variant, random);
   Quiet quiet;

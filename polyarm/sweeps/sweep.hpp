@@ -82,6 +82,8 @@ struct Sweep {
   double clearance = 0.1;      ///< distances up to this are measured, m; 0: none are
   double least_clearance = 0;  ///< variants with less are no candidates, m
   Vary vary;
+  /// Places in the file of what it names: programs, values, points, interfaces, "robot".
+  std::map<std::string, Location> where;
 };
 
 /// One variant: a value of each axis.

@@ -318,6 +318,22 @@ void read_combination(const Yaml& yaml, Sweep& out) {
   if (yaml.has("sample_seed")) out.sample_seed = whole(yaml["sample_seed"], 0, 9e15);
 }
 
+/// Where the file names programs, values, points, forced interfaces and the robot.
+std::map<std::string, Location> places_of_names(const Yaml& yaml) {
+  std::map<std::string, Location> out;
+  const auto keys = [&](const Yaml& map) {
+    for (const Yaml::Entry& entry : map.entries()) out.try_emplace(entry.key, entry.where);
+  };
+  for (const Yaml& program : yaml["programs"].items())
+    if (program.is_scalar()) out.try_emplace(program.text(), program.where());
+  keys(yaml["values"]);
+  keys(yaml["vary"]["points"]);
+  for (const Yaml::Entry& fault : yaml["faults"].entries())
+    for (const Yaml& step : fault.value.items()) keys(step["force"]);
+  if (yaml.has("robot")) out["robot"] = yaml["robot"].where();
+  return out;
+}
+
 /// An axis without values has no variants.
 void require_values(const Yaml& yaml, const Sweep& sweep, Problems& problems) {
   const auto require = [&](const char* key, std::size_t count) {
@@ -366,6 +382,7 @@ Sweep read(const Yaml& yaml, const fs::path& path, const description::Catalogue&
   collect(problems, [&] { read_combination(yaml, out); });
   collect(problems, [&] { out.hardware = yaml["hardware"].text(""); });
   collect(problems, [&] { read_run(yaml, out, problems); });
+  out.where = places_of_names(yaml);
   require_values(yaml, out, problems);
   if (out.seeds.size() > 1 && !out.vary.any())
     problems.error("bad-value", yaml.key_location("seeds"), "several seeds, and nothing that they vary",

@@ -55,6 +55,24 @@ TEST_F(SweepCommand, RunsEachVariantOnceAndShowsTheBest) {
   EXPECT_EQ(rows(), first);
 }
 
+TEST_F(SweepCommand, NamesThatTheCellDoesNotHaveAreRefusedBeforeTheRun) {
+  write("x: [0]", "values: {FeederLef: [1, 2]}\n");
+  const std::string script = copy_.file(".state/sweeps/small/sweep.sbatch").string();
+  for (const std::vector<std::string>& how :
+       {std::vector<std::string>{}, {"--plan"}, {"--slurm", "4"}, {"--shard", "0/2"}}) {
+    std::vector<std::string> words = {"sweep", file()};
+    words.insert(words.end(), how.begin(), how.end());
+    const Finished run = run_command(words);
+    EXPECT_EQ(run.exit_code, 1) << run.output;
+    EXPECT_NE(
+        run.output.find("small.yaml:7:10: error: the cell has no 'FeederLef'; did you mean 'FeederLeft'?"),
+        std::string::npos)
+        << run.output;
+  }
+  EXPECT_FALSE(fs::exists(results()));
+  EXPECT_FALSE(fs::exists(script));
+}
+
 TEST_F(SweepCommand, KilledAnywhereItGoesOnWithTheSameRows) {
   write("x: {from: -0.03, to: 0.03, steps: 4}, y: [0, 0.01, 0.02]");
   {
