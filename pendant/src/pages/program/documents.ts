@@ -3,7 +3,7 @@ import type { Args } from '../../state/cell';
 import { computed, effect, signal, untracked } from '@preact/signals';
 import { t } from '../../i18n';
 import type { Facts } from '../../i18n/told';
-import { attempt, complain, connected, program, request, status } from '../../state/cell';
+import { attempt, complain, connected, mayProgram, program, request, status } from '../../state/cell';
 import { kept, settings } from '../../state/settings';
 import { toast } from '../../state/toasts';
 import type { ProgramStatus } from '../../wire/types';
@@ -86,10 +86,18 @@ export const anyRunning = computed(() => {
   return !!it && !it.ready && (it.state === 'running' || it.state === 'waiting');
 });
 
+/** Codes of requests that the cell has not judged. */
+const kNotAnswered = new Set(['not-connected', 'no-answer', 'no-cell', 'busy', 'overtaken']);
 const keeper = new DraftKeeper({
   send: (draft) => request('files.draft', { ...draft, by: settings.clientName.peek() }, 3000),
+  // Without a connection the page does not know; the request then fails, and is sent again.
+  may: () => mayProgram.peek() || !connected.peek(),
+  isRefusal: (error) => error instanceof RequestError && !kNotAnswered.has(error.code),
   onState: (state) => (draftState.value = state),
   store: localDrafts,
+});
+effect(() => {
+  if (mayProgram.value) keeper.retry();
 });
 
 // --- files
@@ -213,7 +221,7 @@ export function undo(): void {
 function dropDraft(): void {
   keeper.forget(fileName.value);
   foundDraft.value = null;
-  void request('files.draft', { name: fileName.value }).catch(() => undefined);
+  if (mayProgram.peek()) void request('files.draft', { name: fileName.value }).catch(() => undefined);
 }
 
 /** Discards the draft and returns to the saved file. */
@@ -408,7 +416,8 @@ const toldBreakpoints = () => (program.value ? ofThisFile((program.value.breakpo
 /** The lines with breakpoints in the present text. */
 export const breakpoints = signal<number[]>([]);
 const marks = new BreakpointKeeper({
-  tell: (name, now, lines) => askBreakpoints('program.edited', { name, text: now, ...(lines && { lines }) }),
+  // The breakpoints of a page that may not edit move in its own text only.
+  tell: async (name, now, lines) => (mayProgram.peek() || !lines ? askBreakpoints('program.edited', { name, text: now, ...(lines && { lines }) }) : lines),
   toggle: (name, now, line, on) =>
     askBreakpoints('program.break', { [on ? 'at' : 'off']: [`${name}:${line}`], text: now }).catch((error: unknown) => {
       complain(error);

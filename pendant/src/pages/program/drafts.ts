@@ -1,6 +1,10 @@
-/** Saves edits on the server within a second, and in this browser until the server has them. */
+/**
+ * Saves edits on the server within a second, and in this browser until the server has them. What this page may not send, or
+ * what the server refuses, stays in this browser.
+ */
 
-export type DraftState = 'none' | 'kept' | 'keeping' | 'waiting';
+/** `waiting`: sent again by itself. `here`: only in this browser, until something changes. */
+export type DraftState = 'none' | 'kept' | 'keeping' | 'waiting' | 'here';
 
 export interface Draft {
   name: string;
@@ -17,6 +21,10 @@ export interface DraftStore {
 
 export interface DraftOptions {
   send: (draft: Draft) => Promise<unknown>;
+  /** False while the server would refuse every draft of this page. Call `retry` when it becomes true. */
+  may: () => boolean;
+  /** True if the same draft would be refused again. */
+  isRefusal: (error: unknown) => boolean;
   onState: (state: DraftState) => void;
   store: DraftStore;
   /** `wait`: ms after the last change; `longest`: ms after the first unsaved change at most. */
@@ -49,6 +57,11 @@ export class DraftKeeper {
     void this.push();
   }
 
+  /** Sends what stayed in this browser, if something did. */
+  retry(): void {
+    if (this.newest) this.flush();
+  }
+
   /** Discards the draft of this file. */
   forget(name: string): void {
     if (this.newest?.name === name) {
@@ -68,6 +81,7 @@ export class DraftKeeper {
     const draft = this.newest;
     if (!draft) return;
     if (this.sending) return this.schedule(50);
+    if (!this.options.may()) return this.options.onState('here');
     this.sending = true;
     try {
       await this.options.send(draft);
@@ -76,8 +90,10 @@ export class DraftKeeper {
         this.options.store.remove(draft.name);
         this.options.onState('kept');
       }
-    } catch {
-      if (this.newest) {
+    } catch (error) {
+      if (this.newest === draft && this.options.isRefusal(error)) {
+        this.options.onState('here');
+      } else if (this.newest) {
         this.options.onState('waiting');
         this.schedule(this.options.again ?? 1000);
       }

@@ -68,6 +68,7 @@ function fileState(): string {
   if (!doc.dirty.value) return t('program.stateSaved');
   switch (doc.draftState.value) {
     case 'waiting':
+    case 'here':
       return t('program.stateWaiting');
     case 'keeping':
       return t('program.stateKeeping');
