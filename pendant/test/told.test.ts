@@ -69,6 +69,8 @@ describe('what drivers tell', () => {
     expect(fault('its cable is chewed')).toBe('its cable is chewed');
     const refused = problemWords({ code: 'component-failed', what: `the hardware component 'arm' could not be activated and is inactive: ${stop}` });
     expect(refused.detail).toMatch(/^El controlador en 10\.0\.0\.7 hizo una parada de protección/);
+    const open = "the hardware component 'arm' could not be activated and is inactive: the fence of the controller at 10.0.0.7 is open: close it";
+    expect(problemWords({ code: 'component-failed', what: open }).detail).toMatch(/^Una protección del controlador en 10/);
   });
 });
 

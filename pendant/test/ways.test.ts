@@ -124,6 +124,8 @@ describe('what a person can do', () => {
        expect(seen({...idle, program: 'paused'}).next).toBe('activate');
        const held = seen({...idle, state: 'held', moving: false});
        expect([held.next, held.resumesToo, held.discard]).toEqual(['activate', '', null]);
+       expect(blockedWords(held.start)).toBe(en['why.activateFirst']);
+       expect(blockedWords(seen({...idle, state: 'held', inactive: false}).start)).toBe(en['why.resumeFirst']);
      });
 
   it('never starts and steps at once, and starts only what the cell would start', () => {

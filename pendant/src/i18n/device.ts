@@ -37,10 +37,14 @@ export const kDeviceRows: readonly (readonly [Key, RegExp])[] = kRows;
 /** Numbers by which a person finds the cause in the manual: C31, SRVO-001, alarm 4107. */
 const kNumbers = /\b(C\d+|[A-Z]{4}-\d{3}|(?:alarm|event) \d+)\b/;
 
+/** What the cell puts before a driver's sentence if a component refuses a step. */
+const kStep = /^the hardware component '[^']*' could not be [^:]*: /;
+
 /** The driver's sentence in the page's language; the driver's own words in English, or if no row matches. */
 export function deviceWords(own: string): string {
   if (language.value === 'en') return own;
-  const row = kRows.find(([, pattern]) => pattern.test(own));
+  const reason = own.replace(kStep, '');
+  const row = kRows.find(([, pattern]) => pattern.test(reason));
   if (!row) return own;
   const address = /\b(?:controller|robot) at ([^\s:,;()]+)/.exec(own)?.[1];
   const where = address ? t('device.at', { address }) : t('device.controller');

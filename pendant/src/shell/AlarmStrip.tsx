@@ -4,6 +4,7 @@ import { type Key, t } from '../i18n';
 import { forwardRobots, problemWords } from '../i18n/told';
 import { alarms, cell, connected, markSeen, mayMove, pausing, robot, robotName, status, ways } from '../state/cell';
 import { back, discard, recover, resume } from '../state/actions';
+import { lastRefusal } from '../state/recovery';
 import { canBe, waysOf } from '../state/ways';
 import { open } from '../ui/ask';
 import { Button } from '../ui/controls';
@@ -41,7 +42,9 @@ export function AlarmStrip() {
   // A cell that could not start has all errors of its files: people mend the first one first.
   const alarm = (status.value?.state === 'no cell' ? errors[0] : errors[errors.length - 1]) ?? unseen[unseen.length - 1];
   if (!alarm) return null;
-  const told = problemWords(alarm);
+  // What stands in the way now counts more than what began the fault.
+  const refusal = alarm.code === 'fault' ? lastRefusal.value : null;
+  const told = problemWords(refusal ?? alarm);
   const advice = alarm.code === 'fault' ? afterFault() : told.advice;
   return (
     <section class={`alarm-strip ${alarm.severity}`} role="alert" aria-label={t('alarms.strip')}>

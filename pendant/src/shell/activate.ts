@@ -1,6 +1,7 @@
 /** Activates inactive hardware, then the controllers that failed with it. */
 import { t } from '../i18n';
 import { complain, mayMove, request, status, ways } from '../state/cell';
+import { recoverHardware } from '../state/recovery';
 import { ask } from '../ui/ask';
 
 export function activateAll(): void {
@@ -16,8 +17,8 @@ export function activateAll(): void {
 
 async function activate(): Promise<void> {
   const names = status.peek()?.inactive ?? [];
-  const { started } = await request('hardware.recover', { controllers: true });
-  if (started?.length) return;
+  const back = await recoverHardware({ controllers: true });
+  if (!back || back.started?.length) return;
   // The cell did not begin with what is inactive, for example a controller that was loaded later.
   const devices = await request('hardware.list');
   const controllers = names.filter((name) => !devices.some((each) => each.name === name));

@@ -91,8 +91,8 @@ export function waysOf({status, mayMove, pausing}: Seen): Ways {
     discards: now?.motionLeft ? 'motion' : 'push',
     back: blocked(!held && 'why.resumeFirst', !now?.motionLeft && 'why.noMotion', cannot.back),
     start: blocked(
-        cannot.program, unarmed && 'why.armFirst', state !== 'running' && 'why.resumeFirst',
-        now?.moving && 'why.moving'),
+        held && next === 'activate' && 'why.activateFirst',  // Resume alone would not be enough
+        cannot.program, unarmed && 'why.armFirst', state !== 'running' && 'why.resumeFirst', now?.moving && 'why.moving'),
     step,
     stepInto: step || (program?.paused ? '' : 'why.pauseFirst'),
     end: blocked(!going && 'why.noProgram'),
