@@ -62,7 +62,7 @@ export function Override() {
           onInput={wantOverride}
           onChange={wantOverride}
         />
-        {allowed < 100 && now?.moving && <small>{t('bar.allowed', { percent: Math.round(allowed) })}</small>}
+        {allowed < 100 && now?.moving && <small>{t(now.profile === 'reduced' ? 'bar.allowedReduced' : 'bar.allowedFirst', { percent: Math.round(allowed) })}</small>}
       </div>
     </div>
   );

@@ -107,7 +107,8 @@ export const shell = {
   'bar.acceptText':
       'The robot was moved during the hold. It stays at its present position, and the rest of a paused motion is dropped.',
   'bar.speed': 'Speed',
-  'bar.allowed': 'at most {percent} % allowed',
+  'bar.allowedReduced': 'at most {percent} %: reduced speed',
+  'bar.allowedFirst': 'at most {percent} % in the first pass',
 
   'question.label': 'The program asks',
   'question.wait': 'The program waits for you.',

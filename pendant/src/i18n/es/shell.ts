@@ -110,7 +110,8 @@ export const shell: Record<keyof typeof en, string> = {
   'bar.acceptText':
       'El robot se movió mientras estaba retenido. Se queda donde está ahora, y se descarta el resto de un movimiento en pausa.',
   'bar.speed': 'Velocidad',
-  'bar.allowed': 'permitido {percent} % como máximo',
+  'bar.allowedReduced': 'como máximo {percent} %: velocidad reducida',
+  'bar.allowedFirst': 'como máximo {percent} % en la primera pasada',
 
   'question.label': 'El programa pregunta',
   'question.wait': 'El programa le espera.',
