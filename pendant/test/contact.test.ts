@@ -1,7 +1,7 @@
 import { describe, expect, it, vi } from 'vitest';
 
 vi.stubGlobal('navigator', { language: 'en', userAgent: '' });
-const { contactWords, robotsInContact } = await import('../src/shell/contact');
+const { contactWords, robotsInContact, touchOf } = await import('../src/shell/contact');
 
 const touch = (b: string, now: boolean, depth = 0.0021) => ({ a: 'arm/wrist_3_link', b, depth, at: null, now, text: '' });
 const contacts = (...list: ReturnType<typeof touch>[]) => ({ checked: true, touching: list.some((each) => each.now), unchecked: [], list });
@@ -21,6 +21,10 @@ describe('a stop after a contact', () => {
   it('is of the contact again once that is newer', () => {
     expect(contactWords(contacts(touch('tray', false)), [torque, hit])).toEqual({ text: 'arm/wrist_3_link and tray, 2.1 mm deep', felt: false });
     expect(contactWords(contacts(touch('tray', true)), [torque]).felt).toBe(false);
+  });
+  it('is of a robot only while its links or its part touch', () => {
+    const list = [{ ...touch('fixture table', false), a: 'left/tool' }, { ...touch('part cube', true), a: 'left2/tool' }, { ...touch('right/elbow_link', true), a: 'the part held by up' }];
+    expect(['left', 'left2', 'right', 'up'].map((name) => touchOf(name, list)?.b)).toEqual([undefined, 'part cube', 'right/elbow_link', 'right/elbow_link']);
   });
   it('is of the robots whose links or parts touch, and of no other', () => {
     const of = (a: string, b: string, now = true) => ({ ...contacts(), list: [{ ...touch(b, now), a }] });

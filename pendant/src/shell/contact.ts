@@ -1,7 +1,7 @@
 /** What a stop after a contact says: which bodies, how deep, or which joint felt it. No side effects. */
 import { number, t } from '../i18n';
 import { bodyWords, problemWords } from '../i18n/told';
-import type { Alarm, Contacts } from '../wire/types';
+import type { Alarm, Contacts, Touch } from '../wire/types';
 
 /** Alarms of unexpected contacts: seen in the scene, or felt by the motors. */
 export const kContactCodes: ReadonlySet<string> = new Set(['contact', 'collision-torque']);
@@ -29,6 +29,12 @@ export function contactWords(contacts: Contacts, alarms: readonly Alarm[]): Cont
   return { text: pairs.join(' · ') || (last ? problemWords(last).text : ''), felt };
 }
 
+/** True if the body, as contacts name it, is of the robot or in its hand. */
+const isOf = (robot: string, body: string): boolean => body.startsWith(`${robot}/`) || body === `the part held by ${robot}`;
+
+/** What the robot touches now; undefined: nothing. */
+export const touchOf = (robot: string, list: readonly Touch[]): Touch | undefined => list.find((each) => each.now && (isOf(robot, each.a) || isOf(robot, each.b)));
+
 /** The robots that touch something now, of those with these `names`; else those of the last contact. */
 export function robotsInContact(contacts: Contacts, alarms: readonly Alarm[], names: readonly string[]): string[] {
   const last = alarms.filter((each) => kContactCodes.has(each.code)).pop();
@@ -36,5 +42,5 @@ export function robotsInContact(contacts: Contacts, alarms: readonly Alarm[], na
   const felt = last?.code === 'collision-torque' && now.length === 0;
   const touches = felt ? [] : now.length ? now : contacts.list.slice(-1);
   const bodies = felt ? [String(last!.facts?.joint ?? '')] : touches.flatMap((each) => [each.a, each.b]);
-  return names.filter((name) => bodies.some((body) => body.startsWith(`${name}/`) || body === `the part held by ${name}`));
+  return names.filter((name) => bodies.some((body) => isOf(name, body)));
 }

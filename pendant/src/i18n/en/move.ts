@@ -27,6 +27,7 @@ export const move = {
   'move.atLimit': 'at the limit',
   'move.range': '{lower} to {upper}',
 
+  'move.touching': '{a} and {b} touch: move them apart, slowly',
   'move.free': 'Free to move',
   'move.singular': 'Singularity',
   'move.singularNear': 'Singularity is near: the TCP becomes slower',

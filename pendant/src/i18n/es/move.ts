@@ -29,6 +29,7 @@ export const move: Record<keyof typeof en, string> = {
   'move.atLimit': 'en el límite',
   'move.range': '{lower} a {upper}',
 
+  'move.touching': '{a} y {b} se tocan: sepárelos despacio',
   'move.free': 'Libre para moverse',
   'move.singular': 'Singularidad',
   'move.singularNear': 'Singularidad cercana: el TCP irá más lento',

@@ -4,12 +4,14 @@
  */
 import { computed } from '@preact/signals';
 import { t } from '../../i18n';
-import { connected, jogBlocked, mayTake, robot } from '../../state/cell';
+import { bodyWords } from '../../i18n/told';
+import { connected, jogBlocked, mayTake, robot, status } from '../../state/cell';
 import { heldBack, jogMode } from '../../state/jog';
 import { beat, valueNow } from '../../state/live';
 import { chain, jointValues } from '../../state/models';
 import { Icon } from '../../ui/Icon';
 import { blockedWords } from '../../shell/blocked';
+import { touchOf } from '../../shell/contact';
 import { jointTitle } from '../../ui/format';
 import { nearLimit, roomTo } from './axes';
 import { heldWords } from './held';
@@ -43,6 +45,8 @@ function condition(): Condition {
   if (blocked) return { tone: 'warn', text: blocked };
   const held = heldWords();
   if (held) return { tone: heldBack.value?.what === 'singular' ? 'bad' : 'warn', text: held };
+  const touch = touchOf(robot.value?.name ?? '', status.value?.contacts.list ?? []);
+  if (touch) return { tone: 'bad', text: t('move.touching', { a: bodyWords(touch.a), b: bodyWords(touch.b) }) };
   return nearby();
 }
 
