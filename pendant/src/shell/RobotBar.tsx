@@ -4,6 +4,7 @@
 import { type Key, t } from '../i18n';
 import { discard, goOn, hold, recover, setProfile, stop } from '../state/actions';
 import { connected, mayMove, programRuns, status, ways } from '../state/cell';
+import { loopStands } from '../state/standing';
 import { canBe, type Next } from '../state/ways';
 import { ask, close, open } from '../ui/ask';
 import { Button, type Tone } from '../ui/controls';
@@ -124,11 +125,11 @@ function Go() {
 }
 
 /**
- * Always in the same corner at the same size. Without a connection or a cell it says that it has no effect,
- * but still sends the request.
+ * Always in the same corner at the same size. Without a connection, a cell or a control loop that runs it says that it has
+ * no effect, but still sends the request.
  */
 export function StopButton() {
-  const dead: Key | null = !connected.value ? 'stop.offline' : status.value?.state === 'no cell' ? 'stop.noCell' : null;
+  const dead: Key | null = !connected.value ? 'stop.offline' : status.value?.state === 'no cell' ? 'stop.noCell' : loopStands.value ? 'stop.stands' : null;
   return (
     <button
       type="button"

@@ -2,6 +2,7 @@
 import { type Key, t } from '../i18n';
 import { causeWords } from '../i18n/told';
 import { link, pausing, status } from '../state/cell';
+import { loopStands, waitsFor } from '../state/standing';
 import { afterContact } from './AlarmStrip';
 import { mustLogIn } from './LogIn';
 import type { IconName } from '../ui/Icon';
@@ -21,6 +22,7 @@ export function stateWord(): StateWord {
     const text = t({ connecting: 'link.connecting', open: 'link.connecting', lost: 'state.reconnecting', refused: 'link.refused' }[link.value] as Key);
     return { text, tone: 'off', icon: 'link', why: '' };
   }
+  if (loopStands.value) return { text: t('state.stands'), tone: 'bad', icon: 'alarm', why: waitsFor() && t('state.standsFor', { name: waitsFor() }) };
   const why = causeWords(now.causeCode, now.cause, now.causeFacts);
   switch (now.state) {
     case 'fault':

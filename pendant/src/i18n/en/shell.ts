@@ -48,6 +48,9 @@ export const shell = {
   'state.notArmed': 'Not armed',
   'state.notReady': 'Not ready',
   'state.inactive': '{names}: not active',
+  'state.stands': 'Control loop stands still',
+  'state.standsFor': 'It waits for {name}',
+  'state.standsWhy': 'The robot gets no commands, and a stop takes effect only when the loop runs again. Use the emergency stop of the robot.',
   'state.noCell': 'No cell runs',
 
   'mode.label': 'Modes',
@@ -165,6 +168,7 @@ export const shell = {
   'control.asking': 'Asked {name} for control: {seconds} s',
   'control.askingShort': 'Asked',
   'stop.offline': 'not connected: use the emergency stop',
+  'stop.stands': 'no effect now: use the emergency stop',
   'stop.noCell': 'no cell: there is nothing to stop',
   'alarms.strip': 'Alarm',
   'alarms.more': '+{count} more',

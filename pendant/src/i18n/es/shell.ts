@@ -50,6 +50,9 @@ export const shell: Record<keyof typeof en, string> = {
   'state.notArmed': 'No habilitado',
   'state.notReady': 'No listo',
   'state.inactive': '{names}: no activo',
+  'state.stands': 'El lazo de control está parado',
+  'state.standsFor': 'Espera a {name}',
+  'state.standsWhy': 'El robot no recibe órdenes, y una parada solo tiene efecto cuando el lazo vuelve a funcionar. Use la parada de emergencia del robot.',
   'state.noCell': 'Ninguna celda en marcha',
 
   'mode.label': 'Modos',
@@ -168,6 +171,7 @@ export const shell: Record<keyof typeof en, string> = {
   'control.asking': 'Control pedido a {name}: {seconds} s',
   'control.askingShort': 'Pedido',
   'stop.offline': 'sin conexión: use la de emergencia',
+  'stop.stands': 'sin efecto: use la de emergencia',
   'stop.noCell': 'sin celda: nada que parar',
   'alarms.strip': 'Alarma',
   'alarms.more': '+{count} más',
