@@ -11,6 +11,7 @@ const keys: [string, Parameters<typeof t>[0]][] = [
   ['Q W E R T Y U I / A S D F G H J K', 'keys.jog'],
   ['M', 'keys.mode'],
   ['− / +', 'keys.faster'],
+  ['Ctrl + M', 'keys.tab'],
 ];
 
 export function Menu({ onClose }: { onClose: () => void }) {

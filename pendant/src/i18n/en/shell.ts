@@ -148,6 +148,7 @@ export const shell = {
   'keys.jog': 'Jog: joints 1 to 8 or axes 1 to 6, up / down (page Move)',
   'keys.mode': 'Joints, base, tool … (page Move)',
   'keys.faster': 'Jog slower, faster (page Move)',
+  'keys.tab': 'In the text of a program: Tab leaves it, or indents again',
 
   'dialog.close': 'Close',
   'dialog.cancel': 'Cancel',

@@ -50,7 +50,7 @@ export const shell: Record<keyof typeof en, string> = {
   'state.notArmed': 'No habilitado',
   'state.notReady': 'No listo',
   'state.inactive': '{names}: no activo',
-  'state.stands': 'El lazo de control está parado',
+  'state.stands': 'Lazo de control parado',
   'state.standsFor': 'Espera a {name}',
   'state.standsWhy': 'El robot no recibe órdenes, y una parada solo tiene efecto cuando el lazo vuelve a funcionar. Use la parada de emergencia del robot.',
   'state.noCell': 'Ninguna celda en marcha',
@@ -151,6 +151,7 @@ export const shell: Record<keyof typeof en, string> = {
   'keys.jog': 'Manual: articulaciones 1 a 8 o ejes 1 a 6, subir / bajar (página Mover)',
   'keys.mode': 'Ejes, base, herramienta… (página Mover)',
   'keys.faster': 'Manual más lento, más rápido (página Mover)',
+  'keys.tab': 'En el texto de un programa: Tab sale de él, o vuelve a sangrar',
 
   'dialog.close': 'Cerrar',
   'dialog.cancel': 'Cancelar',
