@@ -49,6 +49,12 @@ describe('what drivers tell', () => {
     }
   });
 
+  it('has a row for each reason for which a driver says that a controller stopped', () => {
+    const reasons = written.flatMap((text) => [...text.matchAll(/ (stopped (because|for|at|with) |stopped before an? |did not take )((?! (stopped|did not|has|is) )[a-z ])+/g)].map(([each]) => each));
+    expect(reasons.length).toBeGreaterThan(8);
+    for (const each of reasons) expect(kDeviceRows.some(([, pattern]) => pattern.test(`the controller at 10.0.0.7${each}`)), each).toBe(true);
+  });
+
   it('names no key of the page: which one comes next depends on the state', () => {
     const keys = (['bar.recover', 'state.activate', 'bar.resume'] as const).flatMap((key) => [en[key], es[key]]);
     for (const table of [en, es])
@@ -66,6 +72,7 @@ describe('what drivers tell', () => {
     expect(fault('the fence of the controller at 10.0.0.7 is open: close it')).toMatch(/protección del controlador en 10/);
     expect(fault('the controller at 10.0.0.9: somebody pressed the user stop; release it; then recover here')).toMatch(/^El controlador en 10\.0\.0\.9 está en parada de emergencia/);
     expect(fault('the controller at 10.0.0.9 closed the connection at once: activate FCI in Desk, end other programs that use the robot')).toMatch(/^Otro programa usa el controlador en 10/);
+    expect(fault('the controller at 10.0.0.9 stopped because commands were not smooth (joint_motion_generator_acceleration_discontinuity): lower the jerks')).toMatch(/^El controlador en 10\.0\.0\.9 se detuvo porque las órdenes/);
     expect(fault('its cable is chewed')).toBe('its cable is chewed');
     const refused = problemWords({ code: 'component-failed', what: `the hardware component 'arm' could not be activated and is inactive: ${stop}` });
     expect(refused.detail).toMatch(/^El controlador en 10\.0\.0\.7 hizo una parada de protección/);

@@ -22,13 +22,16 @@ const kRows: [Key, RegExp][] = [
   ['device.paused', /was paused|is in hold/],
   ['device.programEnded', /was (stopped|ended) there|was stopped without an error|ended or was deselected there|ended though its program runs|job INIT_ROS of .* does not run/],
   ['device.otherProgram', /^another (program|client)|another client moves the robot|runs another program|has a paused program|end other programs that use the robot/],
-  ['device.commandsLate', /got no command in time|answers in a row too late|ran out of points/],
+  ['device.fast', /stopped because a motion was too fast/],
+  ['device.notSmooth', /stopped because commands were not smooth/],
+  ['device.strayed', /stopped because it was not where it was commanded/],
+  ['device.commandsLate', /got no command in time|stopped because commands were missing|answers in a row too late|ran out of points/],
   ['device.unreachable', /cannot be reached|does not answer/],
   ['device.silent', /sends nothing any more|sends no (packets|reports|states)/],
   ['device.closed', /closed (the|a|its) .*(connection|Interface)|closed a connection/],
   ['device.limit', /(stopped|reached) (at )?(a|its) (limit|safety boundary)|stopped at its safety boundary|beyond its software limit/],
-  ['device.refused', /refused (the|a step of the) motion|does not allow motion/],
-  ['device.alarm', /(stopped with an? (alarm|event|message|error))|has (an )?(alarm|error)/],
+  ['device.refused', /refused (the|a step of the) motion|did not take the first command|does not allow motion/],
+  ['device.alarm', /(stopped (with|for) (an? )?(alarm|event|message|error))|has (an )?(alarm|error)/],
 ];
 
 /** The rows, for a test that compares them with the drivers. */
