@@ -5,6 +5,7 @@ import { number, t, word } from '../../i18n';
 import { causeWords, plain, problemLine, problemOf } from '../../i18n/told';
 import { attempt, complain, mayAdminister, mayMove, request } from '../../state/cell';
 import { type Component, type Controller, controllers, hardware, health, loadHealth } from '../../state/health';
+import { recoverHardware } from '../../state/recovery';
 import { ask, open } from '../../ui/ask';
 import { Button, Empty } from '../../ui/controls';
 import { Dialog } from '../../ui/Dialog';
@@ -30,8 +31,8 @@ export function recover(name: string): void {
     title: t('health.startQ'),
     text: t('health.startText', { name }),
     action: t('health.start'),
-    onYes: () => void change('hardware.recover', { name, controllers: true }),
-    less: { action: t('health.startNot'), onPick: () => void change('hardware.recover', { name }) },
+    onYes: () => void recoverHardware({ name, controllers: true }).then(loadHealth),
+    less: { action: t('health.startNot'), onPick: () => void recoverHardware({ name }).then(loadHealth) },
     still: () => mayMove.value,
   });
 }
