@@ -20,6 +20,11 @@ beforeEach(() => {
 
 it('asks before it sends anything', () => expect([sent, question.text]).toEqual([[], expect.stringContaining('mock')]));
 
+it('names the controllers that stopped with it', () => {
+  recover('mock', ['follow', 'tail']);
+  expect(question.text).toContain('follow, tail');
+});
+
 it('lets the cell start what stopped with the component', async () => {
   question.onYes();
   await vi.waitFor(() => expect(sent).toEqual([['hardware.recover', { name: 'mock', controllers: true }]]));

@@ -195,6 +195,11 @@ void Machine::report_threads() {
   }
 }
 
+std::vector<std::string> Machine::stopped_with(const std::string& component) const {
+  const auto found = failed_components_.find(component);
+  return found == failed_components_.end() ? std::vector<std::string>{} : found->second;
+}
+
 std::vector<std::string> Machine::take_failed(const std::string& component) {
   return std::exchange(failed_components_[component], {});
 }

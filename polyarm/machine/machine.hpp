@@ -87,6 +87,8 @@ class Machine {
   void report_events();
   /// The controllers that stopped because the component failed, since the last call.
   std::vector<std::string> take_failed(const std::string& component);
+  /// The same; they stay for the next call.
+  std::vector<std::string> stopped_with(const std::string& component) const;
   /// Outcomes of the controller's latest goals, oldest first.
   const std::vector<controllers::GoalEvent>& goal_events(const std::string& controller);
   void forget_goals(const std::string& controller) { goal_events_.erase(controller); }

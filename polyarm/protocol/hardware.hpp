@@ -180,7 +180,8 @@ struct PartThread {
 };
 struct FailedComponent {
   std::string component, cause, cause_code;
-  POLYARM_MEMBERS(FailedComponent, component, cause, cause_code)
+  std::vector<std::string> controllers;  ///< names of those that stopped with it, and start with it again
+  POLYARM_MEMBERS(FailedComponent, component, cause, cause_code, controllers)
 };
 
 struct LoopHealth {

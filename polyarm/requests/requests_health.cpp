@@ -82,7 +82,8 @@ void add_components(const HealthOwners& cell, protocol::LoopHealth::Answer& out)
   for (std::size_t i = 0; i < hardware.size(); ++i) {
     const std::string& name = hardware.component_name(i);
     if (i < seen.fallen.size() && seen.fallen[i] != control::StopCause::none)
-      out.fallen.push_back({name, control::name(seen.fallen[i]), control::code(seen.fallen[i])});
+      out.fallen.push_back({name, control::name(seen.fallen[i]), control::code(seen.fallen[i]),
+                            cell.machine.stopped_with(name)});
     const hardware::Diagnostics& diagnostics = hardware.diagnostics();
     const hardware::HostedInfo info = diagnostics.info(i);
     const double rate = rate_of(cell.machine, info);

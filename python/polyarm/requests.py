@@ -256,6 +256,7 @@ class FailedComponent(TypedDict):
     component: str
     cause: str
     cause_code: str
+    controllers: list[str]
 
 
 class FileDraft(TypedDict):

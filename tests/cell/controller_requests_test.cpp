@@ -275,7 +275,11 @@ TEST_F(RequestsTest, AFailedComponentIsBroughtBackAndItsControllersAreNamed) {
   cell.run(0.02);
   FailingMock::fails = false;
   EXPECT_EQ(cell.state_of("follow"), "inactive");
-  EXPECT_EQ(cell.result({{"request", "health"}})["state"], "fault");
+  const Json health = cell.result({{"request", "health"}});
+  EXPECT_EQ(health["state"], "fault");
+  ASSERT_EQ(health["fallen"].size(), 1u) << health;
+  EXPECT_EQ(health["fallen"][0]["controllers"].size(), 3u) << health["fallen"];
+  EXPECT_EQ(cell.result({{"request", "health"}})["fallen"], health["fallen"]) << "reading forgets nothing";
   EXPECT_EQ(cell.result({{"request", "hardware.list"}})[0]["state"], "unconfigured")
       << "its on_error says so";
   const Json back = cell.result({{"request", "hardware.recover"}, {"name", name}});
@@ -283,6 +287,7 @@ TEST_F(RequestsTest, AFailedComponentIsBroughtBackAndItsControllersAreNamed) {
   std::set<std::string> fallen;
   for (const Json& controller : back["fallen"]) fallen.insert(controller);
   EXPECT_EQ(fallen, (std::set<std::string>{"follow", "tail", "joint_state_broadcaster"}));
+  EXPECT_EQ(health["fallen"][0]["controllers"], back["fallen"]);
   EXPECT_EQ(cell.state_of("follow"), "inactive") << "named, not started";
   EXPECT_EQ(cell.result({{"request", "control.recover"}})["asked"], "recover");
   cell.run(0.01);

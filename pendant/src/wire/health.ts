@@ -31,7 +31,8 @@ export interface HealthNow {
   period: Times | null;
   clamps: number;
   parts: Part[];
-  fallen: {component: string; cause: string; cause_code: string}[];
+  /** `controllers`: names of those that stopped with it. */
+  fallen: {component: string; cause: string; cause_code: string; controllers: string[]}[];
 }
 /** Accepts all units that the cell may send (…_ns, …_us, or none for us). */
 export function readTimes(value: unknown): Times | null {

@@ -256,6 +256,7 @@ export interface FailedComponent {
   component: string;
   cause: string;
   cause_code: string;
+  controllers: string[];
 }
 
 export interface FileDraft {

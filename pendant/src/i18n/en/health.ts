@@ -42,6 +42,7 @@ export const health = {
   'health.usedBy': 'used by {names}',
   'health.failed': 'Failed: {cause}',
   'health.startQ': 'Start its controllers again?',
+  'health.startNames': '{name} is configured and activated again. These controllers stopped with it and can start, too: {controllers}. Others stay as they are.',
   'health.startText': '{name} is configured and activated again. The controllers that stopped with it can start, too; others stay as they are.',
   'health.start': 'Start',
   'health.startNot': 'Only the device',

@@ -44,6 +44,7 @@ export const health: Record<keyof typeof en, string> = {
   'health.usedBy': 'lo usa {names}',
   'health.failed': 'Falló: {cause}',
   'health.startQ': '¿Arrancar de nuevo sus controladores?',
+  'health.startNames': '{name} se configura y se activa de nuevo. Estos controladores se pararon con él y también pueden arrancar: {controllers}. Los demás siguen como están.',
   'health.startText': '{name} se configura y se activa de nuevo. También pueden arrancar los controladores que se pararon con él; los demás siguen como están.',
   'health.start': 'Arrancar',
   'health.startNot': 'Solo el equipo',

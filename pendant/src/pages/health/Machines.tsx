@@ -26,10 +26,10 @@ async function change<Name extends RequestName>(name: Name, args: Args<Name>): P
  * Recovers a component. The controllers that failed with it start only if the user says so: the cell then starts these, and
  * no others.
  */
-export function recover(name: string): void {
+export function recover(name: string, controllers: string[] = []): void {
   ask({
     title: t('health.startQ'),
-    text: t('health.startText', { name }),
+    text: controllers.length ? t('health.startNames', { name, controllers: controllers.join(', ') }) : t('health.startText', { name }),
     action: t('health.start'),
     onYes: () => void recoverHardware({ name, controllers: true }).then(loadHealth),
     less: { action: t('health.startNot'), onPick: () => void recoverHardware({ name }).then(loadHealth) },
@@ -80,7 +80,7 @@ function ComponentCard({ component }: { component: Component }) {
         {users.length > 0 && ` · ${t('health.usedBy', { names: users.join(', ') })}`}
       </p>
       <div class="row">
-        {failed && <Button label={t('health.recover')} icon="undo" tone="warn" disabled={!mayMove.value} onClick={() => recover(name)} />}
+        {failed && <Button label={t('health.recover')} icon="undo" tone="warn" disabled={!mayMove.value} onClick={() => recover(name, fallen?.controllers)} />}
         {state !== 'active' && !failed && <Button label={t('health.activate')} icon="power" disabled={!mayAdminister.value} onClick={() => to('active')} />}
         {state === 'active' && !failed && <Button label={t('health.deactivate')} icon="power" disabled={!mayAdminister.value} onClick={() => to('inactive')} />}
       </div>
