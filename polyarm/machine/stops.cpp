@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 #include <span>
+#include <utility>
 
 namespace polyarm::cell {
 
@@ -117,28 +118,30 @@ std::optional<StopReport> StopWatch::tick(const control::Snapshot& snapshot, con
 }
 
 void HeldPlace::forget() {
-  since_ = -1;
-  settled_.clear();
+  references_.clear();
   most_ = 0;
 }
 
 void HeldPlace::tick(const control::Snapshot& snapshot, const JointPlaces& places, bool excused) {
   if (snapshot.state != control::RunState::held || excused) return forget();
-  if (since_ < 0) since_ = snapshot.cycle.time;
-  if (snapshot.cycle.time - since_ < kSettles) return;
-  std::vector<double> off;
-  for (const JointPlaces::Place& p : places.all())
-    off.push_back(p.state >= 0 && p.command >= 0 ? snapshot.states[static_cast<std::size_t>(p.state)] -
-                                                       snapshot.commands[static_cast<std::size_t>(p.command)]
-                                                 : std::numeric_limits<double>::quiet_NaN());
-  if (settled_.size() != off.size()) settled_ = off;
+  references_.resize(places.all().size());
   most_ = 0;
-  for (std::size_t j = 0; j < off.size(); ++j)
-    if (const double moved = off[j] - settled_[j]; std::abs(moved) > std::abs(most_)) {
-      most_ = moved;
-      joint_ = places.all()[j].name;
-      slides_ = places.all()[j].slides;
-    }
+  for (std::size_t j = 0; j < references_.size(); ++j) {
+    const JointPlaces::Place& place = places.all()[j];
+    if (place.state < 0 || place.command < 0) continue;
+    Reference& reference = references_[j];
+    const double command = snapshot.commands[static_cast<std::size_t>(place.command)];
+    const double off = snapshot.states[static_cast<std::size_t>(place.state)] - command;
+    const bool same = reference.command == command || (std::isnan(reference.command) && std::isnan(command));
+    if (reference.since < 0 || !same) reference = {command, 0, snapshot.cycle.time, false};
+    if (snapshot.cycle.time - reference.since < kSettles) continue;
+    if (!std::exchange(reference.taken, true)) reference.settled = off;
+    const double moved = off - reference.settled;
+    if (!(std::abs(moved) > std::abs(most_))) continue;
+    most_ = moved;
+    joint_ = place.name;
+    slides_ = place.slides;
+  }
 }
 
 std::optional<Problem> HeldPlace::pushed() const {

@@ -84,7 +84,8 @@ class StopWatch {
   std::vector<double> before_, now_, joint_way_, tcp_way_;
 };
 
-/// Compares joint positions with their commands while the cell is held. Cell thread.
+/// Compares joint positions with their commands while the cell is held. A joint whose command changes (its
+/// hardware or its controller was activated at the measured position) gets a new reference. Cell thread.
 class HeldPlace {
  public:
   /// `excused`: a jog or a contact moves the joints now; their reference is taken again after that.
@@ -95,8 +96,12 @@ class HeldPlace {
   std::optional<Problem> pushed() const;
 
  private:
-  Nanoseconds since_ = -1;
-  std::vector<double> settled_;  // measured minus commanded; empty: not settled yet
+  struct Reference {
+    double command = 0, settled = 0;  // settled: measured minus commanded
+    Nanoseconds since = -1;           // of this command; -1: none yet
+    bool taken = false;
+  };
+  std::vector<Reference> references_;  // of each joint; empty: the cell is not held
   std::string joint_;
   bool slides_ = false;
   double most_ = 0;

@@ -229,6 +229,32 @@ TEST_F(Ways, AFaultIsLeftByWhatItsRefusalsName) {
   EXPECT_EQ(state(), "held");
 }
 
+// A robot that fails in a move is behind its command. Its hardware comes back at the measured position:
+// nobody has moved it.
+TEST_F(Ways, AComponentThatComesBackWasNotMovedDuringTheHold) {
+  build();
+  begin("work.script", 0.3);
+  FailingMock::pushed = -0.03;
+  cell->run(0.2);
+  FailingMock::fails = true;
+  cell->run(0.2);
+  ASSERT_EQ(state(), "fault");
+  ASSERT_TRUE(ask("control.recover")["ok"].get<bool>());
+  cell->run(1);
+  FailingMock::fails = false;
+  FailingMock::pushed = 0;
+  const Json back = cell->ask({{"request", "hardware.recover"}, {"controllers", true}});
+  ASSERT_TRUE(back["ok"].get<bool>()) << back;
+  cell->run(1);
+  const Json resumed = ask("control.resume");
+  EXPECT_TRUE(resumed["ok"].get<bool>()) << resumed;
+  ask("control.hold");
+  cell->run(1);
+  FailingMock::pushed = 0.03;
+  cell->run(0.2);
+  EXPECT_EQ(error_of(ask("control.resume")), "moved-while-held") << "who is pushed then is noticed";
+}
+
 TEST_F(Ways, WhatIsNotHeldIsNotDiscardedAndSaysSo) {
   build();
   EXPECT_EQ(error_of(ask("control.discard")), "not-held");
