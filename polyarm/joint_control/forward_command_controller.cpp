@@ -89,10 +89,13 @@ bool is_of_joints(const std::string& interface) {
 CallbackReturn ForwardCommandController::on_configure(ControllerContext& context) {
   const std::vector<std::string> names = wanted_interfaces(context);
   read_command_timeout(context.parameters);
+  context.parameters.read("keep_outputs", keep_outputs_,
+                          {"what is no joint begins with what was sent last, at each activation"});
   for (const std::string& name : names) claim_command(name);
   position_of_.assign(names.size(), -1);
   stops_at_zero_.assign(names.size(), 0);
   pushes_.assign(names.size(), 0);
+  outputs_.assign(names.size(), 0);
   kinds_.assign(names.size(), Asked::effort);
   asked_.reset(names.size());
   for (std::size_t i = 0; i < names.size(); ++i) {
@@ -102,29 +105,32 @@ CallbackReturn ForwardCommandController::on_configure(ControllerContext& context
     kinds_[i] = kind_of(kind);
     asked_.set(i, names[i], is_of_joints(kind) ? facts : nullptr);
     stops_at_zero_[i] = joint && (kind == "velocity" || kind == "acceleration");
+    outputs_[i] = !joint;
     pushes_[i] = joint && (kind == "effort" || kind == "force" || kind == "torque");
     if (joint && kind == "position" && context.has_state(names[i]))
       position_of_[i] = static_cast<int>(claim_state(names[i]));
   }
   const std::vector<double> nothing(names.size(), std::numeric_limits<double>::quiet_NaN());
   wanted_ = nothing;
-  inbox_.reset(nothing);
+  if (!keep_outputs_ || inbox_.value().size() != names.size()) inbox_.reset(nothing);
   if (names.empty()) refuse_no_joints(context.parameters);
   return names.empty() ? CallbackReturn::failure : CallbackReturn::success;
 }
 
+double ForwardCommandController::first_command(std::size_t i) noexcept {
+  if (stops_at_zero_[i]) return 0;
+  const double sent = std::isfinite(inbox_.value()[i]) ? inbox_.value()[i] : wanted_[i];
+  if (keep_outputs_ && outputs_[i] && std::isfinite(sent)) return sent;
+  if (std::isfinite(command(i))) return command(i);
+  return position_of_[i] >= 0 ? state(static_cast<std::size_t>(position_of_[i])) : 0;
+}
+
 CallbackReturn ForwardCommandController::on_activate(const Cycle&) noexcept {
-  inbox_.fetch();  // what was sent while it was not active is forgotten
+  inbox_.fetch();  // what was sent to joints while it was not active is forgotten
   command_watch().forget();
   for (std::size_t i = 0; i < wanted_.size(); ++i) {
-    double start = 0;
-    if (!stops_at_zero_[i]) {
-      start = command(i);
-      if (!std::isfinite(start))
-        start = position_of_[i] >= 0 ? state(static_cast<std::size_t>(position_of_[i])) : 0;
-    }
-    wanted_[i] = start;
-    set_command(i, start);
+    wanted_[i] = first_command(i);
+    set_command(i, wanted_[i]);
   }
   return CallbackReturn::success;
 }

@@ -10,7 +10,9 @@ namespace polyarm::controllers {
 /// `interfaces` (whole names). Until something is sent it holds: a position at the last command, else where
 /// it is; all else at zero. With `command_timeout` (s) what was sent ends when nothing more comes:
 /// velocities, accelerations and efforts of joints become 0, positions hold where they have been commanded to
-/// so far. Input: `commands` (and `command`, as ros_control calls it).
+/// so far. With `keep_outputs`, interfaces that are not of a joint begin at each activation with what was
+/// sent last, also while it was not active: an output that was on is on again, without a cycle in between.
+/// Input: `commands` (and `command`, as ros_control calls it).
 class ForwardCommandController : public Controller {
  public:
   CallbackReturn on_configure(ControllerContext& context) override;
@@ -25,11 +27,14 @@ class ForwardCommandController : public Controller {
 
  private:
   void let_expire() noexcept;
+  double first_command(std::size_t i) noexcept;
   bool asks() const noexcept;
 
   std::vector<int> position_of_;     // per command: index of the position state, or -1
   std::vector<char> stops_at_zero_;  // velocity-like: a stop means zero
   std::vector<char> pushes_;         // effort-like: a stop leaves it
+  std::vector<char> outputs_;        // not of a joint
+  bool keep_outputs_ = false;
   std::vector<Asked> kinds_;
   RequestedLimits asked_;
   std::vector<double> wanted_;

@@ -125,6 +125,7 @@ class Planner {
     if (!options_.io_commands.empty()) {
       controllers::Parameters parameters;
       parameters.set("interfaces", options_.io_commands);
+      parameters.set("keep_outputs", {"true"});
       add("forward_command_controller/ForwardCommandController", kIoController, base_.robot,
           std::move(parameters));
     }

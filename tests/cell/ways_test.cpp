@@ -255,6 +255,35 @@ TEST_F(Ways, AComponentThatComesBackWasNotMovedDuringTheHold) {
   EXPECT_EQ(error_of(ask("control.resume")), "moved-while-held") << "who is pushed then is noticed";
 }
 
+// The tag says that the gripper holds. So does the output, from the first cycle on in which its hardware is
+// back.
+TEST_F(Ways, AnOutputIsWhatItsTagSaysWhenItsHardwareComesBack) {
+  folder.write("cell.yaml", "polyarm: cell/1\nrobots:\n  arm: {model: " POLYARM_SOURCE_DIR
+                            "/examples/r6bot/r6bot.urdf, hardware: touching, tool: suction_cup}\n"
+                            "signals: signals.yaml\n");
+  folder.write("signals.yaml", "polyarm: signals/1\ntags:\n  Vacuum: {command: arm/tool/vacuum}\n");
+  build();
+  const control::ControlLoop& loop = cell->cell().loop();
+  const auto vacuum = loop.table().find_command("arm/tool/vacuum");
+  ASSERT_TRUE(vacuum);
+  const auto commanded = [&] { return cell->cell().snapshot().commands[*vacuum]; };
+  cell->result({{"request", "tags.set"}, {"name", "Vacuum"}, {"value", true}});
+  cell->run(0.1);
+  ASSERT_EQ(commanded(), 1);
+  FailingMock::fails = true;
+  cell->run(0.2);
+  ASSERT_EQ(state(), "fault");
+  FailingMock::fails = false;
+  ask("control.recover");
+  cell->run(0.2);
+  cell->result({{"request", "hardware.recover"}, {"controllers", true}});
+  cell->run(0.2);
+  EXPECT_EQ(commanded(), 1);
+  cell->result({{"request", "tags.set"}, {"name", "Vacuum"}, {"value", false}});
+  cell->run(0.2);
+  EXPECT_EQ(commanded(), 0);
+}
+
 TEST_F(Ways, WhatIsNotHeldIsNotDiscardedAndSaysSo) {
   build();
   EXPECT_EQ(error_of(ask("control.discard")), "not-held");
