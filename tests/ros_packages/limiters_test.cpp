@@ -1,4 +1,4 @@
-/// Limiters of joint_limits, wait sets, and the messages that wait for transforms.
+/// Limiters of joint_limits, and the messages that wait for transforms.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -10,7 +10,6 @@
 #include "message_filters/cache.hpp"
 #include "message_filters/pass_through.hpp"
 #include "rclcpp/rclcpp.hpp"
-#include "rclcpp/wait_set.hpp"
 #include "sensor_msgs/msg/imu.hpp"
 #include "std_msgs/msg/string.hpp"
 #include "tests/support/realtime_guard.hpp"
@@ -182,31 +181,6 @@ TEST(Limiters, ReadParametersFollowThemAndAreLoadedByName) {
   wanted.velocity = 2;
   EXPECT_TRUE(limiter->enforce(actual, wanted, kLimitCycle));
   EXPECT_EQ(*wanted.velocity, 1.5);
-}
-
-TEST(WaitSets, AreReadyWithAMessageOrATimerAndTakeNothing) {
-  const auto node = std::make_shared<rclcpp::Node>("waiting");
-  int heard = 0;
-  const auto subscription = node->create_subscription<std_msgs::msg::String>(
-      "word", 10, [&](const std_msgs::msg::String&) { ++heard; });
-  const auto publisher = node->create_publisher<std_msgs::msg::String>("word", 10);
-  rclcpp::WaitSet set;
-  EXPECT_EQ(set.wait().kind(), rclcpp::WaitResultKind::Empty);
-  set.add_subscription(subscription);
-  EXPECT_THROW(set.add_subscription(subscription), std::runtime_error);
-  EXPECT_EQ(set.wait(std::chrono::milliseconds(1)).kind(), rclcpp::WaitResultKind::Timeout);
-  std::thread sender([&] { publisher->publish(std_msgs::msg::String()); });
-  EXPECT_EQ(set.wait(std::chrono::seconds(60)).kind(), rclcpp::WaitResultKind::Ready);
-  sender.join();
-  EXPECT_EQ(set.wait(std::chrono::seconds(0)).kind(), rclcpp::WaitResultKind::Ready);
-  rclcpp::spin_some(node);
-  EXPECT_EQ(heard, 1);
-  EXPECT_EQ(set.wait(std::chrono::seconds(0)).kind(), rclcpp::WaitResultKind::Timeout);
-  set.remove_subscription(subscription);
-  EXPECT_THROW(set.remove_subscription(subscription), std::runtime_error);
-  EXPECT_EQ(set.wait(std::chrono::seconds(60)).kind(), rclcpp::WaitResultKind::Empty);
-  set.add_timer(node->create_wall_timer(std::chrono::milliseconds(1), [] {}));
-  EXPECT_EQ(set.wait(std::chrono::seconds(60)).kind(), rclcpp::WaitResultKind::Ready);
 }
 
 std::shared_ptr<sensor_msgs::msg::Imu> imu_at(const std::string& frame, int second) {

@@ -48,6 +48,16 @@ class ClientBase : public polyarm_ros::Callee {
     }
     return service_is_ready();
   }
+  /// True if a response waits for the executor or for take_response.
+  virtual bool has_response() = 0;
+  std::shared_ptr<rmw_request_id_t> create_request_header() const {
+    return std::make_shared<rmw_request_id_t>();
+  }
+  virtual std::shared_ptr<void> create_response() = 0;
+  /// Takes the oldest response into one that create_response made.
+  virtual bool take_type_erased_response(void* out, rmw_request_id_t& header) = 0;
+  /// Makes the future of a taken response ready, and calls back.
+  virtual void handle_response(std::shared_ptr<rmw_request_id_t> header, std::shared_ptr<void> response) = 0;
 
  protected:
   virtual bool local() const = 0;
@@ -140,20 +150,46 @@ class Client : public ClientBase, public std::enable_shared_from_this<Client<Typ
     pending_.clear();
     return count;
   }
-  /// Takes the responses that have come from the graph, and calls back.
+  /// Takes the responses that have come, and calls back.
   bool run(std::int64_t until) override {
-    bool any = call_back(until);
-    if constexpr (polyarm_ros::HasFields<Response>::value) {
-      polyarm::hardware::Letter letter;
-      for (std::size_t n = 0; n < kMost && port_; ++n) {
-        if (over(any, until) || !port_->from_graph.take(letter)) break;
-        auto response = std::make_shared<Response>();
-        if (polyarm_ros::decode(letter.payload, *response))
-          finish(static_cast<std::int64_t>(letter.number), response);
-        any = true;
-      }
+    bool any = false;
+    for (std::size_t n = 0; n < kMost; ++n) {
+      if (any && until > 0 && polyarm_ros::steady_time() >= until) break;
+      const Arrived next = next_response();
+      if (!next.response) break;
+      any = true;
+      if (next.done)
+        next.done(next.response);
+      else
+        finish(next.number, next.response);
     }
     return any;
+  }
+  bool has_response() override {
+    pull();
+    const std::lock_guard lock(mutex_);
+    return !arrived_.empty();
+  }
+  /// Takes the oldest response in the place of the executor. Its future stays as it is.
+  bool take_response(Response& out, rmw_request_id_t& header) {
+    Arrived next = next_response();
+    if (!next.response) return false;
+    out = *next.response;
+    header.sequence_number = next.number;
+    if (next.done) {
+      const std::lock_guard lock(mutex_);
+      Pending& pending = pending_[next.number];
+      pending.done = std::move(next.done);
+      pending.answered = true;
+    }
+    return true;
+  }
+  std::shared_ptr<void> create_response() override { return std::make_shared<Response>(); }
+  bool take_type_erased_response(void* out, rmw_request_id_t& header) override {
+    return take_response(*static_cast<Response*>(out), header);
+  }
+  void handle_response(std::shared_ptr<rmw_request_id_t> header, std::shared_ptr<void> response) override {
+    finish(header->sequence_number, std::static_pointer_cast<Response>(response));
   }
 
  private:
@@ -161,6 +197,12 @@ class Client : public ClientBase, public std::enable_shared_from_this<Client<Typ
   struct Pending {
     SharedPromise promise = std::make_shared<Promise>();
     Done done;
+    bool answered = false;  ///< the future is ready; only `done` is left
+  };
+  struct Arrived {
+    std::int64_t number = 0;
+    SharedResponse response;
+    Done done;  ///< of a response of this module; others are still in pending_
   };
 
   std::shared_ptr<Service<Type>> server() const {
@@ -186,9 +228,6 @@ class Client : public ClientBase, public std::enable_shared_from_this<Client<Typ
     }
     return number;
   }
-  static bool over(bool any, std::int64_t until) {
-    return any && until > 0 && polyarm_ros::steady_time() >= until;
-  }
   /// Makes the future ready. Returns the callback; empty if there is none.
   Done answer(std::int64_t number, const SharedResponse& response) {
     Pending pending;
@@ -199,7 +238,7 @@ class Client : public ClientBase, public std::enable_shared_from_this<Client<Typ
       pending = std::move(found->second);
       pending_.erase(found);
     }
-    pending.promise->set_value(response);
+    if (!pending.answered) pending.promise->set_value(response);
     return pending.done;
   }
   void finish(std::int64_t number, const SharedResponse& response) {
@@ -208,30 +247,35 @@ class Client : public ClientBase, public std::enable_shared_from_this<Client<Typ
   /// A response of the same module, on the thread of the server: this node's executor calls back.
   void arrive(std::int64_t number, const SharedResponse& response) {
     Done done = answer(number, response);
-    if (!done) return;
     const std::lock_guard lock(mutex_);
     if (arrived_.size() >= kMost) arrived_.pop_front();
-    arrived_.emplace_back(std::move(done), response);
+    arrived_.push_back({number, response, std::move(done)});
   }
-  bool call_back(std::int64_t until) {
-    bool any = false;
-    for (std::size_t n = 0; n < kMost && !over(any, until); ++n) {
-      std::pair<Done, SharedResponse> next;
-      {
-        const std::lock_guard lock(mutex_);
-        if (arrived_.empty()) break;
-        next = std::move(arrived_.front());
-        arrived_.pop_front();
+  /// Moves what has come from the graph to the responses that wait, as far as there is room.
+  void pull() {
+    if constexpr (polyarm_ros::HasFields<Response>::value) {
+      if (!this->port_) return;
+      const std::lock_guard lock(mutex_);
+      polyarm::hardware::Letter letter;
+      while (arrived_.size() < kMost && this->port_->from_graph.take(letter)) {
+        auto response = std::make_shared<Response>();
+        if (polyarm_ros::decode(letter.payload, *response))
+          arrived_.push_back({static_cast<std::int64_t>(letter.number), std::move(response), {}});
       }
-      any = true;
-      next.first(next.second);
     }
-    return any;
+  }
+  Arrived next_response() {
+    pull();
+    const std::lock_guard lock(mutex_);
+    if (arrived_.empty()) return {};
+    Arrived out = std::move(arrived_.front());
+    arrived_.pop_front();
+    return out;
   }
 
   std::mutex mutex_;
   std::map<std::int64_t, Pending> pending_;
-  std::deque<std::pair<Done, SharedResponse>> arrived_;
+  std::deque<Arrived> arrived_;
   std::int64_t last_ = 0;
 };
 

@@ -46,6 +46,15 @@ class ServiceBase : public polyarm_ros::Callee {
     report_introspection(name_, state);
   }
   std::string title() const override { return name_; }
+  /// True if a request waits for the executor or for take_request.
+  virtual bool has_request() = 0;
+  std::shared_ptr<rmw_request_id_t> create_request_header() const {
+    return std::make_shared<rmw_request_id_t>();
+  }
+  virtual std::shared_ptr<void> create_request() = 0;
+  /// Takes the oldest request into one that create_request made.
+  virtual bool take_type_erased_request(void* out, rmw_request_id_t& header) = 0;
+  virtual void handle_request(std::shared_ptr<rmw_request_id_t> header, std::shared_ptr<void> request) = 0;
 
  protected:
   polyarm_ros::Port port_;
@@ -99,12 +108,14 @@ class Service : public ServiceBase, public std::enable_shared_from_this<Service<
   /// wait as a queue of the graph holds.
   bool ask(std::shared_ptr<Request> request, Answer answer) {
     const std::lock_guard lock(mutex_);
-    if (asked_.size() >= polyarm::hardware::LetterQueue::kMost) return false;
-    asked_.emplace_back(std::move(request), std::move(answer));
+    if (asked_.size() >= kMost) return false;
+    asked_.push_back({--last_, std::move(request)});
+    if (answers_.size() >= 2 * kMost) answers_.erase(std::prev(answers_.end()));
+    answers_[last_] = std::move(answer);
     return true;
   }
 
-  /// For a callback that answers later.
+  /// For a callback that answers later, and for requests that take_request gave.
   void send_response(rmw_request_id_t& header, Response& response) {
     if (header.sequence_number < 0) {
       const Answer answer = take_answer(header.sequence_number);
@@ -117,46 +128,67 @@ class Service : public ServiceBase, public std::enable_shared_from_this<Service<
                             [&](polyarm_ros::Payload& out) { polyarm_ros::encode(response, out); });
   }
   bool run(std::int64_t until) override {
-    bool any = run_asked(until);
-    if constexpr (polyarm_ros::HasFields<Request>::value) {
-      polyarm::hardware::Letter letter;
-      // No more than the queue holds: clients go on sending.
-      for (std::size_t n = 0; n < polyarm::hardware::LetterQueue::kMost && port_; ++n) {
-        if (any && until > 0 && polyarm_ros::steady_time() >= until) break;
-        if (!port_->from_graph.take(letter)) break;
-        any = true;
-        auto request = std::make_shared<Request>();
-        if (!polyarm_ros::decode(letter.payload, *request)) continue;
-        auto header = std::make_shared<rmw_request_id_t>();
-        header->sequence_number = static_cast<long long>(letter.number);
-        call_(header, request);
-      }
+    bool any = false;
+    // No more than the queue holds: clients go on sending.
+    for (std::size_t n = 0; n < kMost; ++n) {
+      if (any && until > 0 && polyarm_ros::steady_time() >= until) break;
+      const Asked next = next_request();
+      if (!next.request) break;
+      any = true;
+      auto header = this->create_request_header();
+      header->sequence_number = next.number;
+      call_(header, next.request);
     }
     return any;
   }
+  bool has_request() override {
+    pull();
+    const std::lock_guard lock(mutex_);
+    return !asked_.empty();
+  }
+  /// Takes the oldest request in the place of the executor; the caller answers it with send_response.
+  bool take_request(Request& out, rmw_request_id_t& header) {
+    const Asked next = next_request();
+    if (!next.request) return false;
+    out = *next.request;
+    header.sequence_number = next.number;
+    return true;
+  }
+  std::shared_ptr<void> create_request() override { return std::make_shared<Request>(); }
+  bool take_type_erased_request(void* out, rmw_request_id_t& header) override {
+    return take_request(*static_cast<Request*>(out), header);
+  }
+  void handle_request(Header header, std::shared_ptr<void> request) override {
+    call_(header, std::static_pointer_cast<Request>(request));
+  }
 
  private:
+  static constexpr std::size_t kMost = polyarm::hardware::LetterQueue::kMost;
   /// Requests of this module have negative numbers.
-  bool run_asked(std::int64_t until) {
-    bool any = false;
-    for (std::size_t n = 0; n < polyarm::hardware::LetterQueue::kMost; ++n) {
-      if (any && until > 0 && polyarm_ros::steady_time() >= until) break;
-      auto header = std::make_shared<rmw_request_id_t>();
-      std::shared_ptr<Request> request;
-      {
-        const std::lock_guard lock(mutex_);
-        if (asked_.empty()) break;
-        header->sequence_number = --last_;
-        request = std::move(asked_.front().first);
-        if (answers_.size() >= polyarm::hardware::LetterQueue::kMost)
-          answers_.erase(std::prev(answers_.end()));
-        answers_[last_] = std::move(asked_.front().second);
-        asked_.pop_front();
+  struct Asked {
+    long long number = 0;
+    std::shared_ptr<Request> request;
+  };
+  /// Moves what has come from the graph to the requests that wait, as far as there is room.
+  void pull() {
+    if constexpr (polyarm_ros::HasFields<Request>::value) {
+      if (!port_) return;
+      const std::lock_guard lock(mutex_);
+      polyarm::hardware::Letter letter;
+      while (asked_.size() < kMost && port_->from_graph.take(letter)) {
+        auto request = std::make_shared<Request>();
+        if (polyarm_ros::decode(letter.payload, *request))
+          asked_.push_back({static_cast<long long>(letter.number), std::move(request)});
       }
-      any = true;
-      call_(header, request);
     }
-    return any;
+  }
+  Asked next_request() {
+    pull();
+    const std::lock_guard lock(mutex_);
+    if (asked_.empty()) return {};
+    Asked out = std::move(asked_.front());
+    asked_.pop_front();
+    return out;
   }
   Answer take_answer(long long number) {
     const std::lock_guard lock(mutex_);
@@ -184,8 +216,8 @@ class Service : public ServiceBase, public std::enable_shared_from_this<Service<
   }
   std::function<void(const Header&, const std::shared_ptr<Request>&)> call_;
   std::mutex mutex_;
-  std::deque<std::pair<std::shared_ptr<Request>, Answer>> asked_;
-  std::map<long long, Answer> answers_;
+  std::deque<Asked> asked_;
+  std::map<long long, Answer> answers_;  ///< of those that wait, and of as many that are answered later
   long long last_ = 0;
 };
 

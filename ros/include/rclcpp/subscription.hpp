@@ -33,9 +33,18 @@ class SubscriptionBase {
   const char* get_topic_name() const { return listener_->topic.c_str(); }
   /// True if a message waits for the executor or for take.
   bool has_message() const { return listener_->has_message(); }
+  virtual std::shared_ptr<void> create_message() = 0;
+  /// Takes the oldest message into one that create_message made.
+  virtual bool take_type_erased(void* out, MessageInfo& info) = 0;
+  /// Calls the callback with a message that was taken.
+  void handle_message(std::shared_ptr<void>& message, const MessageInfo&) {
+    listener_->deliver(polyarm_message(message.get()));
+  }
   std::size_t get_publisher_count() const { return static_cast<std::size_t>(listener_->publishers()); }
 
  protected:
+  /// What the listener's callback gets for a message of create_message.
+  virtual const void* polyarm_message(void* message) const { return message; }
   std::shared_ptr<polyarm_ros::Listener> listener_;
 };
 
@@ -50,6 +59,10 @@ class Subscription : public SubscriptionBase {
     const auto message = this->listener_->next();
     if (message) out = *static_cast<const Message*>(message.get());
     return message != nullptr;
+  }
+  std::shared_ptr<void> create_message() override { return std::make_shared<Message>(); }
+  bool take_type_erased(void* out, MessageInfo& info) override {
+    return take(*static_cast<Message*>(out), info);
   }
 };
 

@@ -23,7 +23,14 @@ class TimerBase {
   bool is_ready() const { return !canceled_ && now() >= next_; }
   bool is_steady() const { return true; }
   std::chrono::nanoseconds time_until_trigger() const { return next_ - now(); }
-  void execute_callback() {
+  /// Takes the trigger: the next one is a period away. Null if the timer is canceled.
+  std::shared_ptr<void> call() {
+    if (canceled_) return nullptr;
+    next_ = now() + period_;
+    return std::make_shared<bool>(true);
+  }
+  /// With or without what `call` returned.
+  void execute_callback(const std::shared_ptr<void>& = nullptr) {
     next_ = now() + period_;
     if (call_) call_(*this);
   }
