@@ -110,6 +110,8 @@ int run_check_plugin(int argc, char** argv) {
   const ros_packages::Kit kit;
   Problems problems;
   const Workspace workspace = open_workspace(path, kit, problems);
+  print_all(problems.list());
+  Problems found;
   for (const Asked& asked : packages_with_plugins(workspace)) {
     Problems of_package;
     ros_packages::check_package(*asked.package, workspace.all, kit, of_package);
@@ -117,10 +119,10 @@ int run_check_plugin(int argc, char** argv) {
                                        [](const Problem& p) { return p.severity == Severity::error; });
     fmt::print("{}: {}\n", asked.package->name,
                missing == 0 ? "nothing is missing" : fmt::format("{} missing", missing));
-    for (const Problem& problem : of_package.list()) problems.add(problem);
+    for (const Problem& problem : of_package.list()) found.add(problem);
   }
-  print_all(problems.list());
-  return problems.has_errors() ? kFailed : kOk;
+  print_all(found.list());
+  return problems.has_errors() || found.has_errors() ? kFailed : kOk;
 }
 
 int run_list(int argc, char** argv) {

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cctype>
+#include <cstdlib>
 #include <map>
 #include <set>
 #include <sstream>
@@ -39,6 +40,39 @@ std::vector<fs::path> sources_of(const Package& package) {
       out.push_back(at->path());
   }
   std::sort(out.begin(), out.end());
+  return out;
+}
+
+/// The folders of a list with colons or semicolons in the environment, as the compiler and CMake read it.
+std::vector<fs::path> folders_of(const char* variable) {
+  std::vector<fs::path> out;
+  const char* text = std::getenv(variable);
+  for (std::string_view word : split_words(text ? text : "", ":;"))
+    if (fs::path(word).is_absolute()) out.emplace_back(word);
+  return out;
+}
+
+/// Where the compiler finds headers that are installed on this machine.
+std::vector<fs::path> header_folders() {
+  std::vector<fs::path> out = {"/usr/include", "/usr/local/include", "/usr/include/x86_64-linux-gnu",
+                               "/usr/include/aarch64-linux-gnu", "/usr/include/eigen3"};
+  std::error_code error;
+  for (const auto& version : fs::directory_iterator("/usr/include/c++", error)) out.push_back(version.path());
+  for (const char* variable : {"CPATH", "CPLUS_INCLUDE_PATH"})
+    for (fs::path& each : folders_of(variable)) out.push_back(std::move(each));
+  for (const fs::path& each : folders_of("CMAKE_PREFIX_PATH")) out.push_back(each / "include");
+  return out;
+}
+
+/// Where CMake finds the files of packages that are installed on this machine.
+std::vector<fs::path> config_folders() {
+  std::vector<fs::path> out;
+  std::vector<fs::path> prefixes = folders_of("CMAKE_PREFIX_PATH");
+  prefixes.insert(prefixes.end(), {"/usr", "/usr/local"});
+  for (const fs::path& prefix : prefixes)
+    for (const char* below :
+         {"lib/cmake", "lib/x86_64-linux-gnu/cmake", "lib/aarch64-linux-gnu/cmake", "share", "share/cmake"})
+      out.push_back(prefix / below);
   return out;
 }
 
@@ -257,12 +291,10 @@ struct Check {
     }
   }
 
-  bool on_machine(const std::string& header) const {
+  static bool on_machine(const std::string& header) {
     std::error_code error;
-    for (const char* folder : {"/usr/include", "/usr/local/include", "/usr/include/x86_64-linux-gnu",
-                               "/usr/include/aarch64-linux-gnu", "/usr/include/eigen3", "/usr/include/c++/12",
-                               "/usr/include/c++/13", "/usr/include/c++/14", "/usr/include/c++/11"})
-      if (fs::exists(fs::path(folder) / header, error)) return true;
+    for (const fs::path& folder : header_folders())
+      if (fs::exists(folder / header, error)) return true;
     if (header.find('/') != std::string::npos) return false;
     for (const auto& gcc : fs::directory_iterator("/usr/lib/gcc/x86_64-linux-gnu", error))
       if (fs::exists(gcc.path() / "include" / header, error)) return true;
@@ -285,9 +317,9 @@ struct Check {
       conditions.take(trim(line));
       check_include(file, number, line, conditions.inside());
       if (trim(line).starts_with("*") || trim(line).starts_with("/*")) continue;  // a comment
-      for (const char* space :
-           {"hardware_interface::", "rclcpp::", "rclcpp_lifecycle::", "rclcpp_action::", "realtime_tools::",
-            "controller_interface::", "control_toolbox::", "semantic_components::", "pluginlib::"})
+      for (const char* space : {"hardware_interface::", "rclcpp::", "rclcpp_lifecycle::", "rclcpp_action::",
+                                "realtime_tools::", "controller_interface::", "controller_manager::",
+                                "control_toolbox::", "semantic_components::", "pluginlib::"})
         check_names(file, number, line, space);
     }
   }
@@ -394,13 +426,11 @@ struct Check {
   }
   static bool found_by_cmake(const std::string& name) {
     std::error_code error;
-    for (const char* folder :
-         {"/usr/lib/cmake", "/usr/lib/x86_64-linux-gnu/cmake", "/usr/lib/aarch64-linux-gnu/cmake",
-          "/usr/share", "/usr/share/cmake", "/usr/local/lib/cmake"})
+    for (const fs::path& folder : config_folders())
       for (const auto& each : fs::directory_iterator(folder, error)) {
-        const std::string at = each.path().filename().string();
-        if (lower(at) == lower(name) || lower(at).starts_with(lower(name) + "-"))
-          return folder != std::string("/usr/share") || fs::exists(each.path() / "cmake", error);
+        const std::string at = lower(each.path().filename().string());
+        const bool named = at == lower(name) || at.starts_with(lower(name) + "-");
+        if (named && (folder.filename() != "share" || fs::exists(each.path() / "cmake", error))) return true;
       }
     for (const auto& cmake : fs::directory_iterator("/usr/share", error))
       if (cmake.path().filename().string().starts_with("cmake-") &&

@@ -177,7 +177,11 @@ Package read_package(const fs::path& file) {
   out.named_by_cmake = cmake_names(out.folder / "CMakeLists.txt");
   if (const auto* exports = root->FirstChildElement("export"))
     out.build_type = text_of(exports->FirstChildElement("build_type"));
-  if (out.build_type.empty()) out.build_type = "catkin";  // ROS 1 writes nothing
+  if (out.build_type.empty()) {  // ROS 1 writes nothing, and in ROS 2 colcon needs nothing
+    const bool ament = std::any_of(out.dependencies.begin(), out.dependencies.end(),
+                                   [](const Dependency& d) { return d.name.starts_with("ament_cmake"); });
+    out.build_type = ament ? "ament_cmake" : "catkin";
+  }
   return out;
 }
 
@@ -354,7 +358,12 @@ void check_bases(const Package& package, const std::vector<Package>& all, Proble
     if (each.is_hardware() || each.is_controller()) continue;
     const std::string space = each.base.substr(0, each.base.find("::"));
     if (std::any_of(all.begin(), all.end(), [&](const Package& p) { return p.name == space; })) continue;
-    if (const std::string meant = misspelled_base(each.base); !meant.empty())
+    if (each.base == "hardware_interface::RobotHW" || each.base == "controller_interface::ControllerBase")
+      problems.warning(
+          "bad-base", each.where,
+          "the base class '" + each.base + "' of " + each.name + " is one of ROS 1; the class is left out",
+          "port it to ros2_control: docs/ros-plugins.md says how");
+    else if (const std::string meant = misspelled_base(each.base); !meant.empty())
       problems.warning(
           "bad-base", each.where,
           "the base class '" + each.base + "' of " + each.name + " does not exist; the class is left out",

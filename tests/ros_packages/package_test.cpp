@@ -159,11 +159,16 @@ TEST(PluginDescription, WithAMisspelledBaseClassIsNamed) {
   EXPECT_TRUE(warnings("hardware_interface::SystemInterface").empty());
   EXPECT_TRUE(warnings("filters::FilterBase&lt;double&gt;").empty());
   EXPECT_TRUE(warnings("acme::Driver").empty());
-  for (const char* exists : {"my_hardware_interface::ToolInterface", "my_hardware_interface::SystemInterface",
-                             "robot_interface::SystemInterface", "controller_interface::ControllerBase"})
+  for (const char* exists :
+       {"my_hardware_interface::ToolInterface", "my_hardware_interface::SystemInterface",
+        "robot_interface::SystemInterface", "controller_interface::ControllerInterfaceBase"})
     EXPECT_TRUE(warnings(exists).empty()) << exists;
   EXPECT_EQ(warnings("hardware_interfaces::SystemInterface").size(), 1u);
   EXPECT_TRUE(warnings("hardware_interfaces::SystemInterface", "hardware_interfaces").empty());
+  for (const char* old : {"controller_interface::ControllerBase", "hardware_interface::RobotHW"}) {
+    ASSERT_EQ(warnings(old).size(), 1u) << old;
+    EXPECT_NE(warnings(old).front().what.find("ROS 1"), std::string::npos) << warnings(old).front().text();
+  }
 }
 
 TEST(Interfaces, AreNamedAsRosNamesTheirFiles) {
@@ -332,6 +337,45 @@ TEST(Check, SaysWhereARepositoryGetsItsOtherPackages) {
         p.text().find("https://host.example/maker/springs_ros.git into the same workspace: build.repos"),
         std::string::npos)
         << p.text();
+}
+
+TEST(Check, FindsWhatTheEnvironmentNamesAndModulesOfCMake) {
+  const test::Folder place;
+  // colcon needs no build type either; and code may include the controller manager's header for what it
+  // brings.
+  place.write("acme/package.xml",
+              "<package format=\"3\"><name>acme</name><version>1.0.0</version>"
+              "<buildtool_depend>ament_cmake</buildtool_depend></package>");
+  place.write("acme/acme.xml", kPlugin);
+  place.write("acme/CMakeLists.txt",
+              "find_package(PkgConfig REQUIRED)\nfind_package(springs REQUIRED)\n"
+              "add_library(drive SHARED src/drive.cpp)\n");
+  place.write("acme/src/drive.cpp",
+              "#include <controller_manager/controller_manager.hpp>\n#include <springs/coil.hpp>\n"
+              "#include <ropes/rope.hpp>\ncontroller_manager::ControllerManager* far;\n");
+  place.write("opt/include/springs/coil.hpp", "");
+  place.write("opt/lib/cmake/springs/springsConfig.cmake", "");
+  place.write("more/ropes/rope.hpp", "");
+  const auto missing = [&] {
+    Problems problems, found;
+    const auto all = find_packages(place.path() / "acme", problems);
+    check_package(all[0], all, Kit(), found);
+    std::string out;
+    for (const Problem& each : found.list()) out += each.text() + "\n";
+    return out;
+  };
+  const std::string before = missing();
+  for (const char* each : {"no package 'springs'", "'springs/coil.hpp'", "'ropes/rope.hpp'"})
+    EXPECT_NE(before.find(each), std::string::npos) << before;
+  for (const char* each : {"ROS 1", "PkgConfig", "controller_manager.hpp'"})
+    EXPECT_EQ(before.find(each), std::string::npos) << before;
+  ::setenv("CMAKE_PREFIX_PATH", ("/nowhere;" + (place.path() / "opt").string()).c_str(), 1);
+  ::setenv("CPATH", ("relative:" + (place.path() / "more").string()).c_str(), 1);
+  const std::string after = missing();
+  ::unsetenv("CMAKE_PREFIX_PATH");
+  ::unsetenv("CPATH");
+  EXPECT_EQ(std::count(after.begin(), after.end(), '\n'), 1) << after;
+  EXPECT_NE(after.find("Polyarm has no controller_manager::ControllerManager"), std::string::npos) << after;
 }
 
 TEST(Check, LeavesOtherSystemsAndReadsVariablesAndFoldersBeside) {
