@@ -139,6 +139,11 @@ class Follower : public controller_interface::ChainableControllerInterface {
   }
 };
 
+/// Code of Foxy takes a controller's node for a plain one.
+double offset_of(const rclcpp::Node::SharedPtr& node) {
+  return node->get_parameter("offset").as_double();
+}
+
 /// Written for Galactic and Foxy: init with a name, the node as a member, update without a time.
 class Early : public controller_interface::ControllerInterface {
  public:
@@ -152,7 +157,10 @@ class Early : public controller_interface::ControllerInterface {
     std::map<std::string, rclcpp::Parameter> gains;
     const bool whole = node_->has_parameter("offset") && !node_->has_parameter("other") &&
                        node_->get_parameters("gains", gains) && gains.size() == 2;
-    if (whole) offset_ = node_->get_parameter("offset").as_double() + gains.at("b").as_double();
+    const std::shared_ptr<rclcpp::Node> node = get_node();
+    if (node->shared_from_this() != node_ || node_->shared_from_this() != node_) return CallbackReturn::ERROR;
+    publisher_ = node->create_publisher<std_msgs::msg::String>("~/word", 1);
+    if (whole) offset_ = offset_of(node_) + gains.at("b").as_double();
     return whole ? CallbackReturn::SUCCESS : CallbackReturn::ERROR;
   }
   InterfaceConfiguration command_interface_configuration() const override {
@@ -168,6 +176,7 @@ class Early : public controller_interface::ControllerInterface {
 
  private:
   double offset_ = 0;
+  rclcpp::Publisher<std_msgs::msg::String>::SharedPtr publisher_;
 };
 
 }  // namespace wrapped_controllers

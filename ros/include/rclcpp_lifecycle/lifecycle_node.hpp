@@ -10,19 +10,24 @@
 
 namespace rclcpp_lifecycle {
 
-class LifecycleNode : public node_interfaces::LifecycleNodeInterface,
-                      public polyarm_ros::NodeApi,
-                      public std::enable_shared_from_this<LifecycleNode> {
+/// Also an rclcpp::Node, as the nodes of Foxy's controllers are: code may take it for either.
+class LifecycleNode : public node_interfaces::LifecycleNodeInterface, public rclcpp::Node {
  public:
   RCLCPP_SMART_PTR_DEFINITIONS(LifecycleNode)
   using CallbackReturn = node_interfaces::LifecycleNodeInterface::CallbackReturn;
   explicit LifecycleNode(const std::string& name, const rclcpp::NodeOptions& options = rclcpp::NodeOptions(),
                          bool = true)
-      : NodeApi(name, options) {}
+      : Node(name, options) {}
   LifecycleNode(const std::string& name, const std::string& name_space,
                 const rclcpp::NodeOptions& options = rclcpp::NodeOptions(), bool = true)
-      : NodeApi(name, name_space, options) {}
+      : Node(name, name_space, options) {}
 
+  std::shared_ptr<LifecycleNode> shared_from_this() {
+    return std::static_pointer_cast<LifecycleNode>(Node::shared_from_this());
+  }
+  std::shared_ptr<const LifecycleNode> shared_from_this() const {
+    return std::static_pointer_cast<const LifecycleNode>(Node::shared_from_this());
+  }
   template <typename Message, typename... Rest>
   typename LifecyclePublisher<Message>::SharedPtr create_publisher(const std::string& topic,
                                                                    const rclcpp::QoS& qos, Rest&&...) {
