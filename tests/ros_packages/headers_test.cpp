@@ -15,6 +15,7 @@
 #include "rcutils/time.h"
 #include "realtime_tools/realtime_buffer.hpp"
 #include "realtime_tools/realtime_thread_safe_box.hpp"
+#include "rmw/qos_profiles.h"
 #include "tf2/LinearMath/Scalar.h"
 #include "tf2_geometry_msgs/tf2_geometry_msgs.hpp"
 #include "tl/expected.hpp"
@@ -230,6 +231,18 @@ TEST(QualityOfService, KeepsWhatIsSetOnIt) {
   EXPECT_EQ(qos.liveliness(), rclcpp::LivelinessPolicy::ManualByTopic);
   EXPECT_EQ(qos.get_rmw_qos_profile().liveliness_lease_duration.nsec, 500'000'000u);
   EXPECT_EQ(rclcpp::SensorDataQoS().history(), rclcpp::HistoryPolicy::KeepLast);
+  const rmw_qos_profile_t profile = {RMW_QOS_POLICY_HISTORY_KEEP_LAST,
+                                     3,
+                                     RMW_QOS_POLICY_RELIABILITY_BEST_EFFORT,
+                                     RMW_QOS_POLICY_DURABILITY_VOLATILE,
+                                     RMW_QOS_DEADLINE_DEFAULT,
+                                     RMW_QOS_LIFESPAN_DEFAULT,
+                                     RMW_QOS_POLICY_LIVELINESS_SYSTEM_DEFAULT,
+                                     RMW_QOS_LIVELINESS_LEASE_DURATION_DEFAULT,
+                                     false};
+  const rclcpp::QoS written(rclcpp::QoSInitialization::from_rmw(profile), profile);
+  EXPECT_EQ(written, rclcpp::QoS(3).best_effort());
+  EXPECT_NE(written, rclcpp::QoS(3));
 }
 
 TEST(Node, KeepsAllMessagesOfATopicThatIsToKeepThemAndCountsItsPublishers) {

@@ -8,23 +8,38 @@
 enum rmw_qos_history_policy_e {
   RMW_QOS_POLICY_HISTORY_SYSTEM_DEFAULT,
   RMW_QOS_POLICY_HISTORY_KEEP_LAST,
-  RMW_QOS_POLICY_HISTORY_KEEP_ALL
+  RMW_QOS_POLICY_HISTORY_KEEP_ALL,
+  RMW_QOS_POLICY_HISTORY_UNKNOWN
 };
 enum rmw_qos_reliability_policy_e {
   RMW_QOS_POLICY_RELIABILITY_SYSTEM_DEFAULT,
   RMW_QOS_POLICY_RELIABILITY_RELIABLE,
-  RMW_QOS_POLICY_RELIABILITY_BEST_EFFORT
+  RMW_QOS_POLICY_RELIABILITY_BEST_EFFORT,
+  RMW_QOS_POLICY_RELIABILITY_UNKNOWN,
+  RMW_QOS_POLICY_RELIABILITY_BEST_AVAILABLE
 };
 enum rmw_qos_durability_policy_e {
   RMW_QOS_POLICY_DURABILITY_SYSTEM_DEFAULT,
   RMW_QOS_POLICY_DURABILITY_TRANSIENT_LOCAL,
-  RMW_QOS_POLICY_DURABILITY_VOLATILE
+  RMW_QOS_POLICY_DURABILITY_VOLATILE,
+  RMW_QOS_POLICY_DURABILITY_UNKNOWN,
+  RMW_QOS_POLICY_DURABILITY_BEST_AVAILABLE
 };
 enum rmw_qos_liveliness_policy_e {
   RMW_QOS_POLICY_LIVELINESS_SYSTEM_DEFAULT = 0,
   RMW_QOS_POLICY_LIVELINESS_AUTOMATIC = 1,
-  RMW_QOS_POLICY_LIVELINESS_MANUAL_BY_TOPIC = 3
+  RMW_QOS_POLICY_LIVELINESS_MANUAL_BY_TOPIC = 3,
+  RMW_QOS_POLICY_LIVELINESS_UNKNOWN = 4,
+  RMW_QOS_POLICY_LIVELINESS_BEST_AVAILABLE = 5
 };
+enum { RMW_QOS_POLICY_DEPTH_SYSTEM_DEFAULT = 0 };
+#define RMW_DURATION_UNSPECIFIED \
+  { 0, 0 }
+#define RMW_DURATION_INFINITE \
+  { 9223372036LL, 854775807LL }
+#define RMW_QOS_DEADLINE_DEFAULT RMW_DURATION_UNSPECIFIED
+#define RMW_QOS_LIFESPAN_DEFAULT RMW_DURATION_UNSPECIFIED
+#define RMW_QOS_LIVELINESS_LEASE_DURATION_DEFAULT RMW_DURATION_UNSPECIFIED
 using rmw_qos_history_policy_t = rmw_qos_history_policy_e;
 using rmw_qos_reliability_policy_t = rmw_qos_reliability_policy_e;
 using rmw_qos_durability_policy_t = rmw_qos_durability_policy_e;
@@ -44,7 +59,8 @@ inline const rmw_qos_profile_t rmw_qos_profile_default{},
         RMW_QOS_POLICY_HISTORY_KEEP_LAST,         5,      RMW_QOS_POLICY_RELIABILITY_BEST_EFFORT,
         RMW_QOS_POLICY_DURABILITY_VOLATILE,       {0, 0}, {0, 0},
         RMW_QOS_POLICY_LIVELINESS_SYSTEM_DEFAULT, {0, 0}, false},
-    rmw_qos_profile_services_default{}, rmw_qos_profile_parameters{}, rmw_qos_profile_system_default{};
+    rmw_qos_profile_services_default{}, rmw_qos_profile_parameters{}, rmw_qos_profile_parameter_events{},
+    rmw_qos_profile_system_default{}, rmw_qos_profile_best_available{}, rmw_qos_profile_unknown{};
 
 namespace rclcpp {
 
@@ -159,6 +175,17 @@ class QoS {
   }
   rmw_qos_profile_t profile_;
 };
+inline bool operator==(const QoS& a, const QoS& b) {
+  return a.history() == b.history() && a.depth() == b.depth() && a.reliability() == b.reliability() &&
+         a.durability() == b.durability() && a.liveliness() == b.liveliness() &&
+         a.deadline() == b.deadline() && a.lifespan() == b.lifespan() &&
+         a.liveliness_lease_duration() == b.liveliness_lease_duration() &&
+         a.avoid_ros_namespace_conventions() == b.avoid_ros_namespace_conventions();
+}
+inline bool operator!=(const QoS& a, const QoS& b) {
+  return !(a == b);
+}
+
 #define POLYARM_ROS_QOS_(NAME)                                        \
   class NAME : public QoS {                                           \
    public:                                                            \
