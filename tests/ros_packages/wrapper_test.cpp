@@ -91,6 +91,26 @@ class ByDescription : public hardware_interface::SystemInterface {
   std::vector<std::string> names_;
 };
 
+/// Its port is not open, and closing it throws: also in the destructor.
+struct Port {
+  static inline std::atomic<int> closed{0};
+  bool open = false;
+  void close() {
+    ++closed;
+    if (!open) throw std::runtime_error("the port is not open");
+  }
+};
+class Unplugged : public hardware_interface::SystemInterface {
+ public:
+  ~Unplugged() override { port_.close(); }
+  CallbackReturn on_configure(const rclcpp_lifecycle::State&) override { return CallbackReturn::ERROR; }
+  return_type read(const rclcpp::Time&, const rclcpp::Duration&) override { return return_type::OK; }
+  return_type write(const rclcpp::Time&, const rclcpp::Duration&) override { return return_type::OK; }
+
+ private:
+  Port port_;
+};
+
 /// Inside its namespace and before life cycles, as in Foxy.
 class OfFoxy : public hardware_interface::BaseInterface<hardware_interface::SystemInterface> {
  public:
@@ -117,6 +137,7 @@ class OfFoxy : public hardware_interface::BaseInterface<hardware_interface::Syst
   double value_ = 0;
 };
 
+PLUGINLIB_EXPORT_CLASS(Unplugged, hardware_interface::SystemInterface)
 PLUGINLIB_EXPORT_CLASS(OfFoxy, hardware_interface::SystemInterface)
 
 /// The mock of ros2_control with a state more.
@@ -281,6 +302,17 @@ TEST_F(Wrapper, ExportsByDescriptionWhereThePluginExportsNothing) {
   component.write(cycle, commands);
   component.read(cycle, states);
   EXPECT_EQ(states, (std::vector<double>{0.5, 1.0}));
+}
+
+TEST_F(Wrapper, OutlivesAPluginWhoseDestructorThrows) {
+  for (int i = 1; i <= 2; ++i) {
+    {
+      polyarm_ros::RosComponent component("any/Unplugged", "wrapped::Unplugged", true);
+      ASSERT_EQ(component.on_init(robot.context), CallbackReturn::success);
+      EXPECT_EQ(component.on_configure(), CallbackReturn::error);
+    }
+    EXPECT_EQ(wrapped::Port::closed, i);
+  }
 }
 
 TEST_F(Wrapper, RunsAPluginOfFoxy) {

@@ -19,6 +19,7 @@
 #include "polyarm/hardware/component.hpp"
 #include "polyarm_ros/description.hpp"
 #include "polyarm_ros/exported.hpp"
+#include "polyarm_ros/last_call.hpp"
 #include "polyarm_ros/log.hpp"
 #include "polyarm_ros/reason.hpp"
 #include "polyarm_ros/wires.hpp"
@@ -63,7 +64,8 @@ class RosComponent : public hw::Component {
     if (--alive() == 0) running().store(false);
     if (executor_) executor_->cancel();
     if (spinner_.joinable()) spinner_.join();
-    parts_.clear();
+    auto* const parts = new std::vector<Part>(std::move(parts_));
+    end_of_plugin(name_, [parts] { delete parts; });
   }
 
   hw::CallbackReturn on_init(const hw::ComponentContext& context) override;
@@ -307,7 +309,7 @@ inline hw::CallbackReturn RosComponent::make_part(const hw::ComponentContext& co
   Part part;
   part.robot = robot.name;
   part.name = block.name;
-  return callback("on_init", [&] {
+  const auto result = callback("on_init", [&] {
     part.object = make_object(type_);
     if (!part.object)
       throw std::runtime_error(std::string("no class ") + type_ +
@@ -325,9 +327,13 @@ inline hw::CallbackReturn RosComponent::make_part(const hw::ComponentContext& co
     if (result != ros::CallbackReturn::SUCCESS) return result;
     part.object->set_lifecycle_state(part.state);
     take_handles(part);
-    parts_.push_back(std::move(part));
     return result;
   });
+  if (result == hw::CallbackReturn::success)
+    parts_.push_back(std::move(part));
+  else if (auto* const object = part.object.release())
+    end_of_plugin(name_, [object] { delete object; });
+  return result;
 }
 
 inline hw::CallbackReturn RosComponent::on_init(const hw::ComponentContext& context) {

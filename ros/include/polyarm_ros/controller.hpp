@@ -22,6 +22,7 @@
 #include "polyarm/force/robot_user.hpp"
 #include "polyarm_ros/description.hpp"
 #include "polyarm_ros/exported.hpp"
+#include "polyarm_ros/last_call.hpp"
 #include "polyarm_ros/log.hpp"
 #include "polyarm_ros/messages.hpp"
 #include "polyarm_ros/robot_text.hpp"
@@ -144,7 +145,7 @@ class RosController : public pc::Controller, public pc::RobotUser {
   void end_object() {
     if (object_) object_->release_interfaces();
     node_.reset();
-    object_.reset();
+    if (auto* const object = object_.release()) end_of_plugin(name_.c_str(), [object] { delete object; });
     commands_.clear(), states_.clear(), references_.clear(), exported_.clear();
   }
   void set_times(const pc::Cycle& cycle) noexcept {
