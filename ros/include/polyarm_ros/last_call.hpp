@@ -94,7 +94,7 @@ inline void end_of_plugin(const char* name, std::function<void()> destroy) {
   if (call->threw)
     log_format(
         Severity::error, name,
-        "its destructor threw, which its author must mend: %s. What is left of the plugin stays as it is",
+        "its destructor threw, which its author must mend; what is left of the plugin stays as it is: %s",
         call->text.c_str());
 }
 
