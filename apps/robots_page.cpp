@@ -9,6 +9,7 @@
 #include "apps/robots.hpp"
 #include "polyarm/base/file.hpp"
 #include "polyarm/base/text.hpp"
+#include "polyarm/description/look.hpp"
 #include "polyarm/ik/inverse_kinematics.hpp"
 #include "polyarm/server/assets.hpp"
 #include "polyarm/shapes/robot_shapes.hpp"
@@ -105,12 +106,19 @@ std::string fit_text(const std::vector<std::string>& fields) {
                      reach > 0 ? fmt::format(", {:.1f} %", 100 * p95 / reach) : "");
 }
 
+/// "surfaces, 21 kB", "boxes of 7 links" or "kinematics".
+std::string made_from(const RobotModel& model, std::size_t outlines) {
+  if (const auto look = model.look.find(description::kMeasuredLook); look != model.look.end())
+    return fmt::format("surfaces, {:.0f} kB", static_cast<double>(fs::file_size(look->second)) / 1000);
+  return outlines > 0 ? fmt::format("boxes of {} links", outlines) : "kinematics";
+}
+
 /// What each robot's look is made of, how large it is, and how far it is from the meshes of its maker.
 std::string shapes_page(
     const std::map<std::string, std::vector<std::pair<CatalogueEntry, RobotModel>>>& makers,
     const std::map<std::string, std::vector<std::string>>& fits) {
   std::string rows;
-  std::size_t robots = 0, measured = 0;
+  std::size_t robots = 0, measured = 0, boxed = 0;
   for (const auto& [folder, list] : makers)
     for (const auto& [entry, model] : list) {
       std::size_t outlines = 0, triangles = 0;
@@ -120,26 +128,26 @@ std::string shapes_page(
       for (const shapes::LinkShape& body : bodies) triangles += meshes::triangles_of(body.mesh);
       const auto fit = fits.find(entry.name);
       rows += fmt::format("| `{}` | {} | {} | {} | {:.0f} |", entry.name, bodies.size(),
-                          outlines ? fmt::format("measured, {} links", outlines) : "kinematics", triangles,
+                          made_from(model, outlines), triangles,
                           static_cast<double>(server::zipped(shapes::robot_glb(model)).size()) / 1000);
       if (!fits.empty()) rows += " " + (fit == fits.end() ? "–" : fit_text(fit->second)) + " |";
       rows += "\n";
       ++robots;
-      measured += outlines > 0;
+      measured += model.look.contains(description::kMeasuredLook);
+      boxed += outlines > 0 && !model.look.contains(description::kMeasuredLook);
     }
-  const char* const about_fit = fits.empty()
-                                    ? ""
-                                    : " *Fit*: 95 % of the surface of look and meshes are nearer to each "
-                                      "other than this, at home; in % of "
-                                      "the reach (`polyarm robots fit`); – where no mesh was compared.";
+  const char* const about_fit =
+      fits.empty() ? ""
+                   : " *Fit*: 95 % of the visible surfaces of look and meshes are nearer to each "
+                     "other than this, at home; in % of "
+                     "the reach (`polyarm robots fit`); – where no mesh was compared.";
   return fmt::format(
-             "# Looks of the catalogue\n\nWritten by `polyarm robots page`. Each robot's look is made from "
-             "its "
-             "kinematics, its maker's style, and, for {} of {} robots, from a box around each link that was "
-             "measured on "
-             "meshes of a public description (decision 25).{}\n\n"
-             "| robot | bodies | outline | triangles | kB, compressed |{}\n|---|---|---|---|---|{}\n",
-             measured, robots, about_fit, fits.empty() ? "" : " fit |", fits.empty() ? "" : "---|") +
+             "# Looks of the catalogue\n\nWritten by `polyarm robots page`. The surfaces of {} of {} robots "
+             "were measured on meshes of public descriptions (decision 0032). Those of {} are made from a "
+             "measured box around each link and the style of the maker (decision 0025), the others from "
+             "the kinematics.{}\n\n"
+             "| robot | bodies | made from | triangles | kB, compressed |{}\n|---|---|---|---|---|{}\n",
+             measured, robots, boxed, about_fit, fits.empty() ? "" : " fit |", fits.empty() ? "" : "---|") +
          rows;
 }
 

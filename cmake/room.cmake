@@ -56,7 +56,7 @@ function(polyarm_room name)
 endfunction()
 
 # Tests are compiled in the least time, but for those that reckon much.
-set(POLYARM_RECKONING_TESTS simd shapes kinematics closed_form descent ik paths trajectory timing moves jog catalogue hulls collision planning surroundings)
+set(POLYARM_RECKONING_TESTS simd shapes fitting kinematics closed_form descent ik paths trajectory timing moves jog catalogue hulls collision planning surroundings)
 set(POLYARM_CELL_TESTS cell sweeps live plugins links recording ros2 scenario server)
 set(test_options "")
 set(reckoning_test_options "")

@@ -5,6 +5,7 @@
 #include "polyarm/base/text.hpp"
 #include "polyarm/catalogue/catalogue.hpp"
 #include "polyarm/catalogue/kinematic_table.hpp"
+#include "polyarm/description/look.hpp"
 #include "polyarm/description/model_builder.hpp"
 #include "polyarm/yaml/yaml.hpp"
 
@@ -300,6 +301,14 @@ void read_allowed(const Yaml& yaml, RobotModel& model, Problems& problems) {
   }
 }
 
+/// The surfaces of MODEL.yaml are in MODEL.look beside it. The robot file itself cannot name another file.
+void find_measured_look(const fs::path& robot_file, RobotModel& model) {
+  model.look.erase(kMeasuredLook);
+  const fs::path look = fs::path(robot_file).replace_extension(".look");
+  std::error_code ignored;
+  if (fs::is_regular_file(look, ignored)) model.look[kMeasuredLook] = look.string();
+}
+
 }  // namespace
 
 RobotModel read_robot_file(const fs::path& path) {
@@ -331,6 +340,7 @@ RobotModel read_robot_file(const fs::path& path) {
     attempt([&] { model.links.push_back(read_link(link, problems)); });
   for (const std::string& key : yaml["look"].keys())
     attempt([&] { model.look[key] = yaml["look"][key].text(); });
+  find_measured_look(path, model);
   const bool is_table = yaml.has("kinematics");
   if (is_table) attempt([&] { joints = read_table_joints(yaml, model, problems); });
   for (const Yaml& joint : is_table ? std::vector<Yaml>{} : yaml["joints"].items())

@@ -38,7 +38,7 @@ class LinkBuilder {
         style_(style),
         rank_(rank),
         travel_(travel),
-        paint_(paint_for(style, rank)),
+        paint_(paint_of(style, rank)),
         housing_(style.housing ? *style.housing : paint_) {}
 
   meshes::Mesh build() {
@@ -68,14 +68,6 @@ class LinkBuilder {
   }
 
  private:
-  static const Paint& paint_for(const Style& style, const Rank& rank) {
-    if (rank.depth == 0) return style.base;
-    const int left = rank.most - rank.depth;
-    if (rank.most >= 5 && left <= 1) return style.wrist;
-    if (rank.most < 5 && left == 0) return style.wrist;
-    return rank.depth > rank.most / 2 - 1 ? style.fore : style.body;
-  }
-
   Pose frame(const End& end) const { return frame_along(end.origin, end.axis); }
 
   /// Adds the housing of a joint: a drum, or cheeks around the other body's drum.
@@ -457,6 +449,14 @@ class LinkBuilder {
 };
 
 }  // namespace
+
+const Paint& paint_of(const Style& style, const Rank& rank) {
+  if (rank.depth == 0) return style.base;
+  const int left = rank.most - rank.depth;
+  if (rank.most >= 5 && left <= 1) return style.wrist;
+  if (rank.most < 5 && left == 0) return style.wrist;
+  return rank.depth > rank.most / 2 - 1 ? style.fore : style.body;
+}
 
 meshes::Mesh build_link(const RigidBody& body, const Style& style, const Rank& rank, double travel) {
   return LinkBuilder(body, style, rank, travel).build();

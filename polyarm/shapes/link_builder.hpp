@@ -12,6 +12,9 @@ struct Rank {
   int depth = 0, most = 0;
 };
 
+/// The paint of a body without its housings, rings and covers.
+const Paint& paint_of(const Style& style, const Rank& rank);
+
 /// `travel`: the range of the body's joint, rad or m; used only for sliding joints.
 meshes::Mesh build_link(const RigidBody& body, const Style& style, const Rank& rank, double travel);
 

@@ -5,13 +5,17 @@
 #include <algorithm>
 #include <map>
 
+#include "polyarm/base/file.hpp"
+#include "polyarm/description/look.hpp"
 #include "polyarm/meshes/glb_writer.hpp"
 #include "polyarm/shapes/link_builder.hpp"
+#include "polyarm/shapes/measured_look.hpp"
 #include "polyarm/shapes/skeleton.hpp"
 #include "polyarm/shapes/style.hpp"
 
 namespace polyarm::shapes {
 
+using description::kMeasuredLook;
 using description::Link;
 using description::RobotModel;
 using description::Shape;
@@ -20,7 +24,7 @@ using description::ShapeKind;
 namespace {
 
 /// Change this whenever the shapes change, so that browsers load them again.
-constexpr const char* kFormat = "shapes/2";
+constexpr const char* kFormat = "shapes/3";
 
 /// For each body: the number of joints from the base to it, and to the tip of the arm.
 std::vector<Rank> ranks(const Skeleton& skeleton) {
@@ -46,6 +50,37 @@ double travel_of(const RobotModel& model, const RigidBody& body) {
   return limits.lower && limits.upper ? *limits.upper - *limits.lower : 0.2;
 }
 
+/// The measured surfaces of the catalogue; none if they cannot be read, which is reported.
+MeasuredLook measured_look(const RobotModel& model, Problems& problems) {
+  const auto path = model.look.find(kMeasuredLook);
+  if (path == model.look.end()) return {};
+  try {
+    return read_measured_look(path->second);
+  } catch (const Error& e) {
+    for (Problem problem : e.problems()) {
+      problem.severity = Severity::warning;
+      problems.add(problem);
+    }
+    return {};
+  }
+}
+
+/// The content of a file; empty if it cannot be read.
+std::string content_of(const std::string& path) {
+  try {
+    return read_file(path);
+  } catch (const Error&) {
+    return {};
+  }
+}
+
+meshes::Mesh measured_link(const std::string& link, const MeasuredLook& look, const Paint& paint) {
+  Solid solid;
+  for (const MeasuredLoft& loft : look.lofts)
+    if (loft.link == link) add_loft(solid, loft, read_color(loft.paint).value_or(paint));
+  return solid.take();
+}
+
 }  // namespace
 
 bool has_no_look(const RobotModel& model) {
@@ -60,10 +95,13 @@ std::vector<LinkShape> robot_shapes(const RobotModel& model, Problems& problems)
   const Style style = style_of(model, problems);
   const Skeleton skeleton = skeleton_of(model, style.build == Build::cast || style.build == Build::servo);
   const std::vector<Rank> rank = ranks(skeleton);
+  const MeasuredLook measured = measured_look(model, problems);
   std::vector<LinkShape> out;
   for (std::size_t b = 0; b < skeleton.bodies.size(); ++b) {
     const RigidBody& body = skeleton.bodies[b];
-    LinkShape shape{body.link, build_link(body, style, rank[b], travel_of(model, body))};
+    const std::string& name = model.links[static_cast<std::size_t>(body.link)].name;
+    LinkShape shape{body.link, measured_link(name, measured, paint_of(style, rank[b]))};
+    if (shape.mesh.empty()) shape.mesh = build_link(body, style, rank[b], travel_of(model, body));
     if (!shape.mesh.empty()) out.push_back(std::move(shape));
   }
   return out;
@@ -91,7 +129,8 @@ std::string shapes_hash(const RobotModel& model) {
   const auto place = [&](const Vec3& p) { add(fmt::format("{} {} {}", p.x, p.y, p.z)); };
   add(kFormat);
   add(model.provenance.maker + "|" + model.provenance.model);
-  for (const auto& [key, value] : model.look) add(key + "=" + value);
+  for (const auto& [key, value] : model.look)
+    add(key + "=" + (key == kMeasuredLook ? content_of(value) : value));
   for (const Link& link : model.links) {
     add(link.name);
     if (link.outline) place(link.outline->lower), place(link.outline->upper);

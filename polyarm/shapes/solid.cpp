@@ -16,6 +16,7 @@ constexpr std::uint32_t kAround = 28;  // segments around an axis
 constexpr std::uint32_t kCorner = 6;   // points on each corner of a section
 constexpr std::uint32_t kEdge = 3;     // segments across a rounded edge
 constexpr double kLeast = 1e-5;        // m; smaller features are not drawn
+constexpr double kThinnest = 2e-10;    // m²; twice the area of the smallest triangle of a skin
 
 std::array<float, 3> point(const Vec3& p) {
   return {static_cast<float>(p.x), static_cast<float>(p.y), static_cast<float>(p.z)};
@@ -24,6 +25,20 @@ std::array<float, 3> point(const Vec3& p) {
 std::uint32_t add(MeshPart& part, const Vec3& p) {
   part.positions.push_back(point(p));
   return static_cast<std::uint32_t>(part.positions.size() - 1);
+}
+
+/// Drops triangles from `from` on that are too thin to have a normal.
+void drop_slivers(MeshPart& part, std::size_t from) {
+  const auto corner = [&](std::size_t i) {
+    const auto& p = part.positions[part.triangles[i]];
+    return Vec3{p[0], p[1], p[2]};
+  };
+  std::size_t to = from;
+  for (std::size_t i = from; i + 2 < part.triangles.size(); i += 3) {
+    if (norm(cross(corner(i + 1) - corner(i), corner(i + 2) - corner(i))) < kThinnest) continue;
+    for (std::size_t k = 0; k < 3; ++k) part.triangles[to++] = part.triangles[i + k];
+  }
+  part.triangles.resize(to);
 }
 
 /// Connects two closed loops of `count` points each, which begin at `a` and `b`.
@@ -122,6 +137,26 @@ void Solid::loft(std::span<const Section> sections, const Paint& paint) {
   }
   lid(out, first, kCount, sections.front().frame.position, false);
   lid(out, before, kCount, sections.back().frame.position, true);
+}
+
+void Solid::skin(std::span<const std::vector<Vec3>> loops, const Paint& paint) {
+  if (loops.size() < 2 || loops[0].empty()) return;
+  MeshPart& out = part(paint);
+  const auto count = static_cast<std::uint32_t>(loops[0].size());
+  const auto first = static_cast<std::uint32_t>(out.positions.size());
+  const std::size_t triangles = out.triangles.size();
+  for (const std::vector<Vec3>& loop : loops)
+    for (const Vec3& p : loop) add(out, p);
+  for (std::uint32_t i = 0; i + 1 < loops.size(); ++i)
+    band(out, first + i * count, first + (i + 1) * count, count);
+  const auto middle = [&](const std::vector<Vec3>& loop) {
+    Vec3 sum;
+    for (const Vec3& p : loop) sum = sum + p;
+    return (1.0 / count) * sum;
+  };
+  lid(out, first, count, middle(loops.front()), false);
+  lid(out, first + (static_cast<std::uint32_t>(loops.size()) - 1) * count, count, middle(loops.back()), true);
+  drop_slivers(out, triangles);
 }
 
 void Solid::box(const Pose& frame, const Vec3& size, double edge, const Paint& paint) {

@@ -39,6 +39,9 @@ class Solid {
             const Paint& paint);
   /// A skin through the sections, with flat ends.
   void loft(std::span<const Section> sections, const Paint& paint);
+  /// A skin through closed loops of equally many points, anticlockwise seen from the last one, with flat
+  /// ends.
+  void skin(std::span<const std::vector<Vec3>> loops, const Paint& paint);
   /// A box centred on `frame`, its edges rounded by `edge`.
   void box(const Pose& frame, const Vec3& size, double edge, const Paint& paint);
 

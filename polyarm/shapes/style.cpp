@@ -7,6 +7,7 @@
 #include <string_view>
 
 #include "polyarm/base/text.hpp"
+#include "polyarm/description/look.hpp"
 
 namespace polyarm::shapes {
 
@@ -205,18 +206,6 @@ Style style_from(const Row& row) {
   return out;
 }
 
-/// "#rrggbb"
-std::optional<Paint> read_color(const std::string& text) {
-  if (text.size() != 7 || text[0] != '#') return std::nullopt;
-  std::uint32_t rgb = 0;
-  for (const char c : text.substr(1)) {
-    const auto digit = std::string_view("0123456789abcdef").find(static_cast<char>(c | 32));
-    if (digit == std::string_view::npos) return std::nullopt;
-    rgb = 16 * rgb + static_cast<std::uint32_t>(digit);
-  }
-  return paint(rgb);
-}
-
 /// The paint that a key of `look` changes; null for other keys.
 Paint* paint_of(Style& style, const std::string& key) {
   if (key == "base") return &style.base;
@@ -230,6 +219,17 @@ Paint* paint_of(Style& style, const std::string& key) {
 }
 
 }  // namespace
+
+std::optional<Paint> read_color(const std::string& text) {
+  if (text.size() != 7 || text[0] != '#') return std::nullopt;
+  std::uint32_t rgb = 0;
+  for (const char c : text.substr(1)) {
+    const auto digit = std::string_view("0123456789abcdef").find(static_cast<char>(c | 32));
+    if (digit == std::string_view::npos) return std::nullopt;
+    rgb = 16 * rgb + static_cast<std::uint32_t>(digit);
+  }
+  return paint(rgb);
+}
 
 std::vector<std::string> style_names() {
   std::vector<std::string> out;
@@ -249,6 +249,7 @@ Style style_of(const description::RobotModel& model, Problems& problems) {
       problems.add(
           Problem{"bad-look", {}, model.name + ": look: " + key + ": " + what, fix, Severity::warning});
     };
+    if (key == description::kMeasuredLook) continue;
     if (key == "style") {
       if (!known) warn("there is no style '" + value + "'" + did_you_mean(value, names), {});
       continue;

@@ -39,6 +39,9 @@ struct Style {
 /// in `look` are reported and otherwise ignored.
 Style style_of(const description::RobotModel& model, Problems& problems);
 
+/// "#rrggbb" with the finish of castings; empty if the text is not a colour.
+std::optional<Paint> read_color(const std::string& text);
+
 /// The names of all styles, for `look: {style: …}`.
 std::vector<std::string> style_names();
 

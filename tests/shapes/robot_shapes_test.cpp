@@ -9,6 +9,7 @@
 #include <unordered_set>
 
 #include "polyarm/catalogue/catalogue.hpp"
+#include "polyarm/description/look.hpp"
 #include "polyarm/description/urdf.hpp"
 #include "polyarm/shapes/render.hpp"
 #include "polyarm/shapes/skeleton.hpp"
@@ -183,7 +184,9 @@ TEST(RobotShapes, TheFlangeEndsWhereToolsBegin) {
       const Vec3 in_tool = inverse(tool.rotation) * (p - tool.position);
       highest = std::max(highest, in_tool.z);
     }
-    EXPECT_NEAR(highest, 0, 0.002) << name;
+    // A real flange may have a rim or a pin that reaches into the tool.
+    const bool measured = model.look.contains(description::kMeasuredLook);
+    EXPECT_NEAR(highest, 0, measured ? 0.01 : 0.002) << name;
   }
 }
 
