@@ -118,8 +118,22 @@ void check_size(const description::Link& link, const meshes::Mesh& mesh, double 
                 "state the arguments of this model (NAME:=VALUE)");
 }
 
+/// All shapes whose files are there.
+meshes::Mesh mesh_of(const std::vector<Shape>& shapes) {
+  meshes::Mesh out;
+  for (const Shape& shape : shapes) {
+    if (shape.kind == ShapeKind::mesh && shape.mesh_path.empty()) continue;
+    meshes::Mesh one =
+        shape.kind == ShapeKind::mesh ? meshes::read_mesh(shape.mesh_path) : meshes::mesh_of_shape(shape);
+    meshes::place(one, shape);
+    std::move(one.begin(), one.end(), std::back_inserter(out));
+  }
+  return out;
+}
+
 /// The meshes of a description, by the link of the catalogue's robot whose body they belong to and in its
-/// frame. A link that the catalogue does not have belongs to the body of the next link above that it has.
+/// frame. A link that the catalogue does not have belongs to the body of the next link above that it has. A
+/// link without meshes to look at has those that it collides with.
 std::map<int, meshes::Mesh> meshes_by_body(const RobotModel& model, const Posed& ours,
                                            const RobotModel& meshed, const Posed& theirs, double reach) {
   const std::vector<int> carrier = carriers(model);
@@ -138,14 +152,8 @@ std::map<int, meshes::Mesh> meshes_by_body(const RobotModel& model, const Posed&
     const Pose at = inverse(ours.links[static_cast<std::size_t>(body)]) *
                     ours.links[static_cast<std::size_t>(link)] *
                     inverse(theirs.links[static_cast<std::size_t>(known)]) * theirs.links[i];
-    meshes::Mesh whole;
-    for (const Shape& shape : meshed.links[i].visuals) {
-      if (shape.kind == ShapeKind::mesh && shape.mesh_path.empty()) continue;
-      meshes::Mesh one =
-          shape.kind == ShapeKind::mesh ? meshes::read_mesh(shape.mesh_path) : meshes::mesh_of_shape(shape);
-      meshes::place(one, shape);
-      std::move(one.begin(), one.end(), std::back_inserter(whole));
-    }
+    meshes::Mesh whole = mesh_of(meshed.links[i].visuals);
+    if (whole.empty()) whole = mesh_of(meshed.links[i].collisions);
     if (known == static_cast<int>(i))
       check_size(model.links[static_cast<std::size_t>(link)], whole, 0.06 * reach);
     for (meshes::MeshPart& part : whole) {

@@ -143,7 +143,7 @@ std::string shapes_page(
                      "the reach (`polyarm robots fit`); – where no mesh was compared.";
   return fmt::format(
              "# Looks of the catalogue\n\nWritten by `polyarm robots page`. The surfaces of {} of {} robots "
-             "were measured on meshes of public descriptions (decision 0032). Those of {} are made from a "
+             "were measured on meshes of public descriptions (decision 0033). Those of {} are made from a "
              "measured box around each link and the style of the maker (decision 0025), the others from "
              "the kinematics.{}\n\n"
              "| robot | bodies | made from | triangles | kB, compressed |{}\n|---|---|---|---|---|{}\n",
