@@ -8,6 +8,7 @@
 #include "polyarm/base/text.hpp"
 #include "polyarm/base/unit_advice.hpp"
 #include "polyarm/data/point_frames.hpp"
+#include "polyarm/language/rounding.hpp"
 #include "polyarm/language/running_functions.hpp"
 #include "polyarm/language/text_functions.hpp"
 
@@ -54,6 +55,12 @@ Value extreme(Values a, Names) {
   return best;
 }
 
+double floor_of(double value) {
+  return std::floor(unrounded(value));
+}
+double ceil_of(double value) {
+  return std::ceil(unrounded(value));
+}
 template <double (*kFunction)(double)>
 Value keeping_unit(Values a, Names) {
   return number(kFunction(of(a[0])), a[0].as_number()->dimension);
@@ -213,8 +220,8 @@ void set_field_of(Value& of, const std::string& field, const Value& value) {
 
 /// `count` places of a grid along one edge; the first is at its start.
 int count_of(const Value& value, const char* what) {
-  const double n = of(value);
-  if (n != std::floor(n) || n < 1 || n > static_cast<double>(kMostListItems))
+  const double n = unrounded(of(value));
+  if (!is_whole(n) || n < 1 || n > static_cast<double>(kMostListItems))
     refuse(std::string("pallet() needs a whole number of ") + what + " from 1 to " +
            std::to_string(kMostListItems) + ", here is " + value.text());
   return static_cast<int>(n);
@@ -304,8 +311,8 @@ std::vector<Function> all_functions() {
   keeps("max", "max(a, b, …)", "the largest", &extreme<false>);
   out.back().more = true;
   keeps("round", "round(value)", "the nearest whole number, in SI units", &keeping_unit<std::round>);
-  keeps("floor", "floor(value)", "the next whole number below, in SI units", &keeping_unit<std::floor>);
-  keeps("ceil", "ceil(value)", "the next whole number above, in SI units", &keeping_unit<std::ceil>);
+  keeps("floor", "floor(value)", "the next whole number below, in SI units", &keeping_unit<floor_of>);
+  keeps("ceil", "ceil(value)", "the next whole number above, in SI units", &keeping_unit<ceil_of>);
   gives("sqrt", "sqrt(value)", "square root", one_scalar, Kind::number, none,
         &mathematical<std::sqrt, Dimension::none>);
   gives("sin", "sin(angle)", "sine", one_angle, Kind::number, none, &mathematical<std::sin, Dimension::none>);

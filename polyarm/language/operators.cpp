@@ -9,6 +9,7 @@
 #include "polyarm/base/text.hpp"
 #include "polyarm/base/unit_advice.hpp"
 #include "polyarm/data/point_frames.hpp"
+#include "polyarm/language/rounding.hpp"
 
 namespace polyarm::program {
 
@@ -106,7 +107,7 @@ Value divide(const Value& a, const Value& b) {
 Value modulo(const Value& a, const Value& b) {
   const auto [x, y] = alike(Operator::modulo, a, b);
   refuse_zero(y, Operator::modulo);
-  const double rest = std::fmod(x.value, y.value);
+  const double rest = unrounded_rest(std::fmod(x.value, y.value), x.value, y.value);
   return number(rest != 0 && (rest < 0) != (y.value < 0) ? rest + y.value : rest + 0.0, x.dimension);
 }
 
@@ -129,20 +130,20 @@ Value compare(Operator op, const Value& a, const Value& b) {
   const auto [x, y] = alike(op, a, b);
   switch (op) {
     case Operator::less:
-      return x.value < y.value;
+      return less_number(x.value, y.value);
     case Operator::less_equal:
-      return x.value <= y.value;
+      return !less_number(y.value, x.value);
     case Operator::greater:
-      return x.value > y.value;
+      return less_number(y.value, x.value);
     default:
-      return x.value >= y.value;
+      return !less_number(x.value, y.value);
   }
 }
 
 bool equal(Operator op, const Value& a, const Value& b) {
   if (a.kind() != b.kind()) refuse(std::string("'") + spelling(op) + "' cannot compare " + pair(a, b));
   if (a.as_number()) alike(op, a, b);
-  return a == b;
+  return equal_values(a, b);
 }
 
 bool boolean(Operator op, const Value& value) {
@@ -164,6 +165,21 @@ constexpr std::array kTriples = {
     Triple{Dimension::mass, Dimension::acceleration, Dimension::force},
 };
 }  // namespace
+
+bool equal_values(const Value& a, const Value& b) {
+  const Number *x = a.as_number(), *y = b.as_number();
+  if (x && y) return x->dimension == y->dimension && equal_numbers(x->value, y->value);
+  if (const List* p = a.as_list(), *q = b.as_list(); p && q)
+    return std::equal(p->begin(), p->end(), q->begin(), q->end(), &equal_values);
+  const data::Record *of = a.as_record(), *other = b.as_record();
+  if (!of || !other) return a == b;
+  bool out = of->names.size() == other->names.size();
+  for (std::size_t i = 0; out && i < of->names.size(); ++i) {
+    const Value* part = other->find(of->names[i]);
+    out = part && equal_values(of->values[i], *part);
+  }
+  return out;
+}
 
 std::optional<Dimension> product(Dimension a, Dimension b) {
   if (a == Dimension::none) return b;
@@ -223,14 +239,15 @@ Value apply(Operator op, const Value& a) {
 
 namespace {
 std::size_t place_in(const List& items, const Value& index) {
-  const Number* at = index.as_number();
-  if (!at || at->dimension != Dimension::none || at->value != std::floor(at->value))
+  const Number* number = index.as_number();
+  const double at = number ? unrounded(number->value) : 0;
+  if (!number || number->dimension != Dimension::none || !is_whole(at))
     refuse("the index of a list is a whole number, here is " + index.excerpt());
-  if (at->value < 1 || at->value > static_cast<double>(items.size()))
+  if (at < 1 || at > static_cast<double>(items.size()))
     throw OperationError{
         "no-element", "there is no element " + index.text() + " in a list of " + std::to_string(items.size()),
-        at->value == 0 ? "the first element is 1" : ""};
-  return static_cast<std::size_t>(at->value) - 1;
+        at == 0 ? "the first element is 1" : ""};
+  return static_cast<std::size_t>(at) - 1;
 }
 
 [[noreturn]] void refuse_field(const data::Record& record, const std::string& name) {

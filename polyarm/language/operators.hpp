@@ -24,6 +24,9 @@ struct OperationError {
 /// Throw OperationError. `and` and `or` take both sides here.
 Value apply(Operator op, const Value& a, const Value& b);
 Value apply(Operator op, const Value& a);
+/// As `==` of programs compares: numbers up to their rounding, in lists and records, too; poses and joint
+/// states exactly. Values of different kinds or units are unequal.
+bool equal_values(const Value& a, const Value& b);
 const Value& element(const Value& list, const Value& index);
 /// A field of a record; x y z rx ry rz of a pose; a joint of a joint state.
 Value field(const Value& of, const std::string& name);

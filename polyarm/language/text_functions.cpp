@@ -7,6 +7,8 @@
 
 #include "polyarm/base/text.hpp"
 #include "polyarm/data/telling.hpp"
+#include "polyarm/language/operators.hpp"
+#include "polyarm/language/rounding.hpp"
 
 namespace polyarm::program {
 
@@ -209,7 +211,8 @@ Value change_case(Values a, Names) {
 
 Value find_of(Values a, Names) {
   if (const List* list = a[0].as_list()) {
-    const auto at = std::find(list->begin(), list->end(), a[1]);
+    const auto at =
+        std::find_if(list->begin(), list->end(), [&](const Value& each) { return equal_values(each, a[1]); });
     return at == list->end() ? Value(0) : Value(static_cast<double>(at - list->begin()) + 1);
   }
   if (!a[1].as_text()) refuse("find() looks for a text in a text, here is " + described(a[1]));
@@ -235,9 +238,8 @@ Value replace_of(Values a, Names) {
 
 /// A place counted from 1, or from the end: -1 is the last.
 double place_of(const Value& value, std::size_t size) {
-  const double n = value.as_number()->value;
-  if (n != std::floor(n) || n == 0)
-    refuse("slice() counts from 1, or from -1 backwards, here is " + value.text());
+  const double n = unrounded(value.as_number()->value);
+  if (!is_whole(n) || n == 0) refuse("slice() counts from 1, or from -1 backwards, here is " + value.text());
   return n < 0 ? n + static_cast<double>(size) + 1 : n;
 }
 

@@ -4,6 +4,7 @@
 
 #include "polyarm/base/text.hpp"
 #include "polyarm/language/operators.hpp"
+#include "polyarm/language/rounding.hpp"
 #include "polyarm/vm/task.hpp"
 
 /// Steps that control the flow: loops, functions, errors, tasks.
@@ -113,9 +114,8 @@ namespace {
 /// The end of a range whose calculated end misses a whole number of steps by its rounding: 300mm / 100mm is a
 /// bit less than 3.
 double end_of_range(double from, double to) {
-  constexpr double kRounding = 1e-12;  // of the larger end
   const double whole = from + std::round(to - from);
-  return std::abs(whole - to) <= kRounding * std::max({1.0, std::abs(from), std::abs(to)}) ? whole : to;
+  return std::abs(whole - to) <= rounding_of(from, to) ? whole : to;
 }
 }  // namespace
 

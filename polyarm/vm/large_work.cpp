@@ -63,7 +63,7 @@ bool Comparing::look(const Value& a, const Value& b, int& left) {
   if (a.is_same(b)) return true;
   if (a.as_list() || a.as_record()) return open(a, b);
   if (a.as_text()) left -= static_cast<int>(a.as_text()->size() / kBytesOfAStep);
-  return a == b;
+  return equal_values(a, b);
 }
 
 bool Comparing::go_on(int& left) {

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "polyarm/language/operators.hpp"
+#include "polyarm/language/rounding.hpp"
 #include "polyarm/vm/task.hpp"
 
 namespace polyarm::program {
@@ -30,12 +31,12 @@ struct Operands {
 double remainder_of(double a, double b) {
   constexpr double kWhole = 9e15;
   double rest = a;
-  if (std::abs(a) >= std::abs(b)) {
-    const bool fits = std::abs(a) < kWhole;
-    const std::int64_t m = fits ? static_cast<std::int64_t>(a) : 0,
-                       n = fits ? static_cast<std::int64_t>(b) : 0;
-    const bool whole = n != 0 && static_cast<double>(m) == a && static_cast<double>(n) == b;
-    rest = whole ? static_cast<double>(m % n) : std::fmod(a, b);
+  const bool fits = std::abs(a) < kWhole && std::abs(b) < kWhole;
+  const std::int64_t m = fits ? static_cast<std::int64_t>(a) : 0, n = fits ? static_cast<std::int64_t>(b) : 0;
+  if (n != 0 && static_cast<double>(m) == a && static_cast<double>(n) == b) {
+    rest = static_cast<double>(m % n);
+  } else {
+    rest = unrounded_rest(std::abs(a) < std::abs(b) ? a : std::fmod(a, b), a, b);
   }
   return rest != 0 && (rest < 0) != (b < 0) ? rest + b : rest + 0.0;  // never -0
 }
@@ -116,12 +117,12 @@ POLYARM_QUICK bool compare(const Operands& at, const Step& step, bool& truth) {
     return false;
   }
   if (a->dimension != b->dimension) return false;
-  if constexpr (op == Operator::equal) truth = a->value == b->value;
-  if constexpr (op == Operator::unequal) truth = a->value != b->value;
-  if constexpr (op == Operator::less) truth = a->value < b->value;
-  if constexpr (op == Operator::less_equal) truth = a->value <= b->value;
-  if constexpr (op == Operator::greater) truth = a->value > b->value;
-  if constexpr (op == Operator::greater_equal) truth = a->value >= b->value;
+  if constexpr (op == Operator::equal) truth = equal_numbers(a->value, b->value);
+  if constexpr (op == Operator::unequal) truth = !equal_numbers(a->value, b->value);
+  if constexpr (op == Operator::less) truth = less_number(a->value, b->value);
+  if constexpr (op == Operator::less_equal) truth = !less_number(b->value, a->value);
+  if constexpr (op == Operator::greater) truth = less_number(b->value, a->value);
+  if constexpr (op == Operator::greater_equal) truth = !less_number(a->value, b->value);
   return true;
 }
 
