@@ -1,6 +1,7 @@
 #include "polyarm/cell/rehearsal_stage.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <iterator>
 #include <limits>
@@ -223,14 +224,35 @@ void Stage::help(const std::string& name, const data::Value& value) {
   set(name, value, {});
 }
 
+namespace {
+/// Errors of a program that a rehearsal causes itself, or that tell() has reported.
+bool is_of_rehearsal(const std::string& code) {
+  constexpr std::array kCodes = {"user",    "expect",   "timeout",     "ended",       "discarded",
+                                 "refused", "no-robot", "unreachable", "nobody-there"};
+  return std::find(kCodes.begin(), kCodes.end(), code) != kCodes.end();
+}
+}  // namespace
+
+/// A value that is wrong in every run, in a `try`: a warning, unless the handler passes the error on.
+void Stage::caught(const Problem& problem) {
+  const std::optional<Location> handler = interpreter_->handler();
+  if (!handler || is_of_rehearsal(problem.code) || problem.code == "no-table") return;
+  const bool told = std::any_of(caught_.begin(), caught_.end(), [&](const Caught& each) {
+    return each.problem.where.text() == problem.where.text() && problem.what.starts_with(each.raised);
+  });
+  if (told) return;
+  const bool known =
+      of_cell_.contains(problem.what) || values_known({problem.where, calls_at(problem.where), {}, {}});
+  if (!known || !announced_.insert({problem.where.text(), problem.code}).second) return;
+  caught_.push_back({problem, problem.what, *handler});
+}
+
 void Stage::report_failure(const program::TaskStatus& status) {
   out_.reached = status.where;
   if (status.problem && report_passed_on(*status.problem)) return;
-  const std::vector<std::string> own = {"user",    "expect",   "timeout",     "ended",       "discarded",
-                                        "refused", "no-robot", "unreachable", "nobody-there"};
   if (!status.problem) return;
   if (is_raised_in_every_run(*status.problem)) return out_.problems.add(*status.problem);
-  if (std::find(own.begin(), own.end(), status.problem->code) != own.end()) return;
+  if (is_of_rehearsal(status.problem->code)) return;
   Problem problem = *status.problem;
   bool known = of_cell_.contains(problem.what) || values_known({status.where, calls_at(status.where), {}});
   if (problem.code == "no-table") known = false;  // another program may write it before the run

@@ -123,6 +123,7 @@ class Stage : public program::Host {
   std::string next_line(const std::string& stream) override;
   void send_text(const std::string& stream, const std::string&) override { is_connected(stream); }
   std::uint64_t seed() const override;
+  void caught(const Problem& problem) override;
   program::Handle start_load(const std::string&, program::LoadForm, const Location& where) override;
   program::Progress poll_load(program::Handle) override { return program::Progress::done(); }
   program::Handle start_ask(const std::string& text, const Location& where) override;

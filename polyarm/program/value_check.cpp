@@ -9,6 +9,8 @@
 #include <utility>
 #include <vector>
 
+#include "polyarm/language/compliance.hpp"
+#include "polyarm/language/functions.hpp"
 #include "polyarm/language/operators.hpp"
 #include "polyarm/program/code.hpp"
 #include "polyarm/program/percent.hpp"
@@ -148,17 +150,28 @@ class ValueCheck {
     std::vector<Known> arguments;
     for (const ExpressionPtr& part : e.parts) arguments.push_back(fold(*part));
     const Function* function = scope_.function(e.name) ? nullptr : find_function(e.name);
-    if (!function || !function->call || function->name == "here" || function->name == "ask")
-      return std::nullopt;
+    if (!function || function->name == "here" || function->name == "ask") return std::nullopt;
+    if (!function->call && function->live != Live::comply) return std::nullopt;
+    const std::optional<std::vector<Value>> values = values_of(e, *function, arguments);
+    if (!values) return std::nullopt;
+    for (std::size_t i = 0; i < values->size(); ++i) require(*function, i, (*values)[i]);
+    if (function->call) return function->call(*values, e.names);
+    compliance(e, *values);
+    return std::nullopt;
+  }
+
+  /// The arguments in the order of the parameters; empty if one is unknown.
+  std::optional<std::vector<Value>> values_of(const Expression& e, const Function& function,
+                                              const std::vector<Known>& arguments) {
     Bound bound;
     try {
-      bound = bind_arguments(signature_of(*function), e.names);
+      bound = bind_arguments(signature_of(function), e.names);
     } catch (const OperationError&) {  // reported by the type check
       return std::nullopt;
     }
     std::vector<Value> values;
     for (std::size_t i = 0; i < bound.argument_of.size(); ++i) {
-      const FunctionParameter& parameter = function->parameters[i];
+      const FunctionParameter& parameter = function.parameters[i];
       const int at = bound.argument_of[i];
       if (at >= 0 && !arguments[static_cast<std::size_t>(at)]) return std::nullopt;
       const Dimension dimension = parameter.wanted == Wanted::length  ? Dimension::length
@@ -171,8 +184,18 @@ class ValueCheck {
       if (!arguments[static_cast<std::size_t>(at)]) return std::nullopt;
       values.push_back(*arguments[static_cast<std::size_t>(at)]);
     }
-    for (std::size_t i = 0; i < values.size(); ++i) require(*function, i, values[i]);
-    return function->call(values, e.names);
+    return values;
+  }
+
+  /// Arguments that no run can use are a mistake of the program, also inside a `try`.
+  void compliance(const Expression& e, const std::vector<Value>& values) {
+    const int tries = std::exchange(tries_, 0);
+    try {
+      compliance_of(values);
+    } catch (const OperationError& error) {
+      report(e.place, error.code, error.what, error.advice);
+    }
+    tries_ = tries;
   }
 
   // Statements.
@@ -208,9 +231,9 @@ class ValueCheck {
         if (truth_of(s.expression) != false) block(s.body);
         return;
       case Statements::try_block:
-        ++quiet_;  // errors in there are caught
+        ++tries_;  // errors in there are caught
         block(s.body);
-        --quiet_;
+        --tries_;
         return block(s.handler);
       case Statements::for_loop:
         range(s);
@@ -256,13 +279,13 @@ class ValueCheck {
                     "a range goes from one number to another of the same unit, here are " +
                         described(*first) + " and " + described(*last));
     const auto whole = [](const Number& n) { return n.value == std::floor(n.value); };
-    if (from->dimension != Dimension::none && !(whole(*from) && whole(*to)) && quiet_ == 0)
+    if (from->dimension != Dimension::none && !(whole(*from) && whole(*to)) && !is_quiet())
       scope_.warning("range-step", s.second->place,
                      std::string("this range counts in steps of 1") + data::unit_text(from->dimension),
                      "count without a unit and multiply, such as for i in 0 .. 5, and i * 10mm");
     const bool written =
         s.expression->kind == Expression::Kind::literal && s.second->kind == Expression::Kind::literal;
-    if (written && to->value < from->value && quiet_ == 0)
+    if (written && to->value < from->value && !is_quiet())
       scope_.warning("empty-range", s.second->place,
                      "this range is empty, since " + last->text() + " is below " + first->text() +
                          ": the lines of the loop are never reached",
@@ -296,10 +319,12 @@ class ValueCheck {
                                          : "with a unit write such as 2m/s2, 200deg/s2 or 50%");
   }
 
+  bool is_quiet() const { return quiet_ > 0 || tries_ > 0; }
+
   /// Once for each line; lines with type errors are reported elsewhere.
   void report(Place place, const std::string& code, const std::string& what, const std::string& advice = {}) {
     const Location where = program_.at(place);
-    if (quiet_ > 0 || !announced_.insert({where.file, where.line}).second) return;
+    if (is_quiet() || !announced_.insert({where.file, where.line}).second) return;
     scope_.error(code, place, what, advice);
   }
 
@@ -309,6 +334,7 @@ class ValueCheck {
   std::map<std::string, Known> values_;
   std::set<std::pair<std::string, int>> announced_;  ///< lines with an error
   int quiet_ = 0;                               ///< above 0: nothing is reported
+  int tries_ = 0;  ///< `try` blocks around: the rehearsal reports what fails there
 };
 
 /// Functions that call themselves or each other for any values.

@@ -12,6 +12,7 @@
 #include "polyarm/base/pose.hpp"
 #include "polyarm/base/time.hpp"
 #include "polyarm/data/value.hpp"
+#include "polyarm/language/compliance.hpp"
 
 namespace polyarm::program {
 
@@ -73,15 +74,6 @@ struct Move {
   const std::string& named_frame() const { return frame_pose ? pose_in : frame; }
   /// For a move in a function: the calls that led to it, as a suffix of messages: "; called from line 7".
   std::string called;
-};
-
-/// How the tool yields to forces: comply().
-struct Compliance {
-  std::array<bool, 6> axes{};         ///< x y z rx ry rz of the flange
-  std::array<double, 6> push{};       ///< N, with which the tool presses along its axes
-  double stiffness = 0, damping = 0;  ///< N/m and N s/m
-  double most = 0;                    ///< N: a larger force ends it with an error
-  double reach = 0;                   ///< m
 };
 
 /// The progress of a move along its own path.
@@ -182,6 +174,8 @@ class Host {
   virtual void send_text(const std::string& stream, const std::string& text);
   /// Selects the series of random().
   virtual std::uint64_t seed() const { return 0; }
+  /// A handler of the program is about to take this error.
+  virtual void caught(const Problem&) {}
   /// Starts to reload the data set from the file called `name`.
   virtual Handle start_load(const std::string& name, LoadForm form, const Location& where) = 0;
   virtual Progress poll_load(Handle handle) = 0;

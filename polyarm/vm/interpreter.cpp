@@ -338,7 +338,10 @@ void Interpreter::raise(Task& task, Problem problem, bool catchable) {
   task.deadline.reset();
   task.met = false;
   for (auto& [name, come] : meetings_) std::erase(come, task.id);
-  if (catchable && !task.handlers.empty()) return unwind(task, problem);
+  if (catchable && !task.handlers.empty()) {
+    host_.caught(problem);
+    return unwind(task, problem);
+  }
   fail(task, std::move(problem));
 }
 
