@@ -66,6 +66,7 @@ void make_scene_bodies(const CellRobots& robots, description::Scene& scene, Prob
   if (std::any_of(robots.begin(), robots.end(), [](const auto& robot) { return checks_contacts(*robot); }))
     surroundings::make_meshes(scene, problems);
   for (Problem& problem : surroundings::parts_inside(scene)) problems.add(std::move(problem));
+  for (Problem& problem : surroundings::belts_blocked(scene)) problems.add(std::move(problem));
 }
 
 bool checks_contacts(const CellRobot& robot) {

@@ -108,4 +108,42 @@ std::vector<Problem> parts_inside(const description::Scene& scene) {
   return Search(scene).take();
 }
 
+namespace {
+/// How deep shapes of a fixture that rise above the surface of a belt are inside it; 0: none.
+double blocks(const description::Fixture& fixture, const description::Fixture& belt) {
+  double out = 0;
+  const Placed body = placed({}, belt.shapes, belt.pose);
+  const Pose T_belt_fixture = inverse(belt.pose) * fixture.pose;
+  for (const description::Shape& shape : fixture.shapes)
+    if (description::bounds_of(shape, T_belt_fixture).upper.z > kAllowed)
+      out = std::max(out, depth(placed({}, {shape}, fixture.pose), body));
+  return out > kAllowed ? out : 0;
+}
+}  // namespace
+
+std::vector<Problem> belts_blocked(const description::Scene& scene) {
+  std::vector<Problem> out;
+  const auto is_bin = [&](const std::string& name) {
+    return std::any_of(scene.bins.begin(), scene.bins.end(),
+                       [&](const auto& bin) { return bin.name == name; });
+  };
+  for (const description::Fixture& belt : scene.fixtures)
+    for (const description::Fixture& fixture : scene.fixtures) {
+      if (belt.belt.empty() || &fixture == &belt || !fixture.mover.empty()) continue;
+      const double deep = blocks(fixture, belt);
+      if (deep <= 0) continue;
+      const std::string what = is_bin(fixture.name) ? "bin " : !fixture.belt.empty() ? "belt " : "fixture ";
+      out.push_back(
+          {"belt-blocked",
+           {},
+           fmt::format(
+               "{}{} stands {:.1f} mm deep in belt {}, and rises above its surface: parts cannot pass", what,
+               fixture.name, 1e3 * deep, belt.name),
+           "correct the place or the size of one of them in the scene file",
+           Severity::warning,
+           {{"fixture", fixture.name}, {"belt", belt.name}, {"depth_m", deep}}});
+    }
+  return out;
+}
+
 }  // namespace polyarm::surroundings

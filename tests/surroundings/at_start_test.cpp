@@ -56,5 +56,39 @@ TEST(PartsInside, WhatOnlyTouchesIsNotReported) {
   EXPECT_TRUE(parts_inside(scene).empty());
 }
 
+description::Fixture belt(const std::string& name, const Vec3& at) {
+  description::Fixture out = fixture(name, {1, 0.2, 0.04}, at);
+  out.shapes.front().pose.position = {0, 0, -0.02};  // its frame is in the middle of its surface
+  out.belt = name;
+  return out;
+}
+
+TEST(BeltsBlocked, ABinWhoseWallsStandInABeltIsReported) {
+  description::Scene scene;
+  scene.fixtures = {belt("line", {0, 0, 0.1}), fixture("box", {0.1, 0.1, 0.1}, {0.3, 0.1, 0.1})};
+  scene.bins = {{"box", {}, {}}};
+  std::vector<Problem> found = belts_blocked(scene);
+  ASSERT_EQ(found.size(), 1u);
+  EXPECT_EQ(found[0].code, "belt-blocked");
+  EXPECT_EQ(found[0].severity, Severity::warning);
+  EXPECT_EQ(found[0].what,
+            "bin box stands 50.0 mm deep in belt line, and rises above its surface: parts cannot pass");
+  scene.fixtures[1].mover = "gate";
+  EXPECT_TRUE(belts_blocked(scene).empty());
+}
+
+TEST(BeltsBlocked, WhatIsBesideBelowOrOnABeltIsNotReported) {
+  description::Scene scene;
+  scene.fixtures = {belt("line", {0, 0, 0.1}), fixture("leg", {0.1, 0.1, 0.1}, {0.3, 0, 0.05}),
+                    fixture("beside", {0.1, 0.1, 0.3}, {0.3, 0.15, 0.1}),
+                    fixture("guide", {1, 0.01, 0.05}, {0, 0.08, 0.125}),
+                    fixture("portal", {0.05, 0.5, 0.05}, {0, 0, 0.3})};
+  EXPECT_TRUE(belts_blocked(scene).empty());
+  scene.fixtures.push_back(belt("across", {0.9, 0, 0.11}));
+  const std::vector<Problem> found = belts_blocked(scene);
+  ASSERT_FALSE(found.empty());
+  EXPECT_NE(found[0].what.find("belt across stands"), std::string::npos) << found[0].what;
+}
+
 }  // namespace
 }  // namespace polyarm::surroundings
