@@ -9,7 +9,7 @@
 #include "polyarm/base/text.hpp"
 #include "polyarm/plugins/types.hpp"
 #include "polyarm/realtime/refusals.hpp"
-#include "polyarm/setup/controllers_plan.hpp"
+#include "polyarm/setup/controllers_start.hpp"
 
 namespace polyarm::cell {
 
@@ -258,6 +258,7 @@ Problems Machine::load_controller(const std::string& name, const std::string& ty
       throw;
     }
     for (const Problem& problem : manager.findings(name)) found.add(problem);
+    if (std::optional<Problem> late = late_wheels(name, setup_.robots, manager)) found.add(std::move(*late));
     return found;
   }
   problems.throw_if_errors();

@@ -175,4 +175,29 @@ controllers::BaseController* base_controller_of(const CellRobot& robot,
   return nullptr;
 }
 
+std::optional<Problem> late_wheels(const std::string& controller, const CellRobots& robots,
+                                   const control::ControllerManager& manager) {
+  const auto* wheels = dynamic_cast<const controllers::BaseController*>(manager.find(controller));
+  if (!wheels) return std::nullopt;
+  for (const auto& robot : robots) {
+    const std::string own = robot->entry.name + "/";
+    for (const std::string& command : wheels->command_interfaces()) {
+      if (!command.starts_with(own)) continue;
+      const std::string joint = command.substr(own.size(), command.rfind('/') - own.size());
+      const int index = robot->model.find_joint(joint.substr(joint.rfind('/') + 1));
+      const std::vector<int>& known = robot->wheel_joints;
+      if (index < 0 || std::find(known.begin(), known.end(), index) != known.end()) continue;
+      return Problem{"late-wheels",
+                     {},
+                     "'" + joint + "' of '" + robot->entry.name +
+                         "' was no wheel when the cell started: guards do not "
+                         "watch this base, and 'drive' does not use '" +
+                         controller + "'",
+                     "name a controllers file with '" + controller + "' in cell.yaml, and restart the cell",
+                     Severity::warning};
+    }
+  }
+  return std::nullopt;
+}
+
 }  // namespace polyarm::cell

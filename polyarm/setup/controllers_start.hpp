@@ -1,5 +1,6 @@
 #pragma once
 /// Starts the controllers of a cell, and finds the ones that move a robot.
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -33,5 +34,10 @@ controllers::JointTrajectoryController* trajectory_controller_of(const CellRobot
 /// The controller that drives the wheels of the robot; null if none.
 controllers::BaseController* base_controller_of(const CellRobot& robot,
                                                 const control::ControllerManager& manager);
+
+/// A warning of code late-wheels if `controller` drives joints of a robot that were no wheels when the cell
+/// started: bodies and bases are made then. Empty otherwise.
+std::optional<Problem> late_wheels(const std::string& controller, const CellRobots& robots,
+                                   const control::ControllerManager& manager);
 
 }  // namespace polyarm::cell

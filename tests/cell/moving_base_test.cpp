@@ -165,5 +165,34 @@ TEST(MovingBase, OfAnArmIsFixed) {
   EXPECT_EQ(bench.cell().base(0).pose(bench.cell().snapshot()), bench.cell().robots()[0]->entry.base);
 }
 
+TEST(MovingBase, AControllerThatIsLoadedLaterSaysThatItMakesNoWheels) {
+  Folder folder;
+  test::write_jetbot_cell(folder, "log(1)\n");
+  folder.write("controllers.yaml",
+               "controller_manager:\n  ros__parameters:\n    update_rate: 100\n"
+               "    joint_state_broadcaster: {type: joint_state_broadcaster/JointStateBroadcaster}\n");
+  LockStepCell bench(read_cell_file(folder.path()));
+  const auto load = [](LockStepCell& cell, const std::string& name) {
+    return cell.ask({{"request", "control.load"},
+                     {"name", name},
+                     {"type", "diff_drive_controller/DiffDriveController"},
+                     {"parameters",
+                      {{"left_wheel_names", {"left_wheel_joint"}},
+                       {"right_wheel_names", {"right_wheel_joint"}},
+                       {"wheel_separation", 0.104},
+                       {"wheel_radius", 0.032}}}});
+  };
+  const auto late = load(bench, "late");
+  ASSERT_TRUE(late["ok"].get<bool>()) << late.dump();
+  EXPECT_NE(late["result"]["warnings"].dump().find("was no wheel when the cell started"), std::string::npos)
+      << late.dump();
+  test::write_jetbot_cell(folder, "log(1)\n");
+  LockStepCell known(read_cell_file(folder.path()));
+  const auto second = load(known, "second");
+  ASSERT_TRUE(second["ok"].get<bool>()) << second.dump();
+  EXPECT_EQ(second["result"]["warnings"].dump().find("wheel when"), std::string::npos)
+      << "a controllers file of the cell has named these wheels: " << second.dump();
+}
+
 }  // namespace
 }  // namespace polyarm::cell
