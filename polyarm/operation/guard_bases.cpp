@@ -3,6 +3,7 @@
 #include <cmath>
 #include <limits>
 #include <optional>
+#include <utility>
 
 #include "polyarm/operation/guard_work.hpp"
 #include "polyarm/surroundings/base_ways.hpp"
@@ -238,7 +239,7 @@ Guards::NearBase Guards::near_base(std::size_t r, const Vec3& velocity, double t
   const auto is_moving = [&](int robot) {
     return is_or_rides(robot, [&](std::size_t k) {
       const std::vector<double>& joints = work_->robots[k].velocity;
-      return base_drives(k) ||
+      return base_drives(k) || has_moved_since_drive(r, k) ||
              std::any_of(joints.begin(), joints.end(), [](double v) { return std::abs(v) > kBaseStands; });
     });
   };
@@ -286,11 +287,27 @@ BaseShare Guards::share_of_base(std::size_t r, double ahead, double turn) {
   return {found.share < kLeastShare ? 0 : found.share, work_->bodies->name(found.other)};
 }
 
+/// True if the robot `k` is elsewhere than when the present move of the base `r` began: its way was planned
+/// with the robot there.
+bool Guards::has_moved_since_drive(std::size_t r, std::size_t k) const {
+  constexpr double kSamePlace = 1e-3;  // m and rad
+  const std::vector<surroundings::Moment::RobotState>& then = work_->robots[r].at_drive_start.robots;
+  if (k >= then.size()) return false;
+  const surroundings::Moment::RobotState &was = then[k], &is = work_->moment.robots[k];
+  if (norm(is.base.position - was.base.position) > kSamePlace ||
+      angle_between(is.base.rotation, was.base.rotation) > kSamePlace)
+    return true;
+  return !std::equal(is.joints.begin(), is.joints.end(), was.joints.begin(), was.joints.end(),
+                     [](double a, double b) { return std::abs(a - b) <= kSamePlace; });
+}
+
 /// Holds the cell when a base that drives could hardly stop before a contact.
 void Guards::look_at_base(std::size_t r) {
   Of& of = work_->robots[r];
-  if (moves::BaseMotion* const wheels = cell_.motions.wheels(r))
+  if (moves::BaseMotion* const wheels = cell_.motions.wheels(r)) {
     wheels->set_most(std::numeric_limits<double>::infinity());
+    if (std::exchange(of.drive, wheels->last_id()) != of.drive) of.at_drive_start = work_->moment;
+  }
   if (!base_drives(r) || !runs()) return;
   const Vec3 velocity{of.base_velocity.x, of.base_velocity.y, 0};
   moves::BaseMotion& wheels = *cell_.motions.wheels(r);

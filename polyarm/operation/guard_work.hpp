@@ -49,6 +49,8 @@ struct Guards::Of {
   Vec3 base_velocity;           // m/s in the world
   double base_turning = 0;      // rad/s about the vertical
   Nanoseconds base_asked = -1;  // when somebody last asked how fast it may drive
+  std::uint64_t drive = 0;      // the present move of its base, or the last one
+  surroundings::Moment at_drive_start;  // where all robots were when this move began
 };
 
 struct Guards::Work {

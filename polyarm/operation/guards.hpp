@@ -77,6 +77,7 @@ class Guards {
   void see_attached();
   void see_base(std::size_t robot);
   bool base_drives(std::size_t robot) const;
+  bool has_moved_since_drive(std::size_t r, std::size_t k) const;
   BaseShare share_of_base(std::size_t robot, double ahead, double turn);
   struct NearBase;
   struct BaseWay;

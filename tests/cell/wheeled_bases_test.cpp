@@ -432,6 +432,13 @@ TEST_F(BasesThatMeet, ABaseThatMovesIsNotPassedNearerThanTheClearance) {
       << cell->cell().stop_cause().what;
 }
 
+TEST_F(BasesThatMeet, ABaseThatHasMovedAndStandsAgainIsNotPassedNearerEither) {
+  meet("  drive 630mm\n");
+  EXPECT_EQ(cell->result({{"request", "health"}})["state"], "held");
+  EXPECT_EQ(cell->cell().stop_cause().what.rfind("a stopped before a contact", 0), 0U)
+      << cell->cell().stop_cause().what;
+}
+
 TEST_F(BasesThatMeet, ABaseThatIsFarEnoughHoldsNobody) {
   meet("  drive 590mm\n  drive -50mm, speed 5mm/s\n");
   EXPECT_TRUE(ended()) << cell->cell().stop_cause().what;
