@@ -59,6 +59,15 @@ bool is_near(const description::Shape& shape, const Pose& pose, const Vec3& poin
       return norm(p) <= shape.radius + kGripReach;
   }
 }
+/// Half of the sizes of the rectangle within the underside of an upright shape, m; zero: it lies on a point.
+Vec3 half_of_underside(const description::Shape& shape) {
+  constexpr double kWithin = 0.9, kOfTheRadius = 0.63;  // not just the edge
+  if (shape.kind == description::ShapeKind::box)
+    return {kWithin * shape.size.x / 2, kWithin * shape.size.y / 2, 0};
+  if (shape.kind == description::ShapeKind::cylinder)
+    return {kOfTheRadius * shape.radius, kOfTheRadius * shape.radius, 0};
+  return {};
+}
 bool is_upright(const Quaternion& rotation) {
   return (rotation * Vec3{0, 0, 1}).z > 0.999;
 }
@@ -162,16 +171,12 @@ void MockWorld::add_supports() {
   }
 }
 
-double MockWorld::top_below(std::size_t part) noexcept {
-  const Vec3 at = state_.parts[part].pose.position;
-  const double bottom = at.z - top_of(scene_->parts[part].shape);
-  double out = scene_->floor ? scene_->floor_height : kNothing;
-  carried_by_[part] = -1;
+MockWorld::Below MockWorld::below(std::size_t part, const Vec3& point, double bottom) const noexcept {
+  Below out{scene_->floor ? scene_->floor_height : kNothing};
   const auto look = [&](const description::Shape& shape, const Pose& pose, int mover) {
     const double top = pose.position.z + top_of(shape);
-    if (top > bottom + kGripReach || top <= out || !is_over(shape, inverse(pose) * at)) return;
-    out = top;
-    carried_by_[part] = mover;
+    if (top > bottom + kGripReach || top <= out.top || !is_over(shape, inverse(pose) * point)) return;
+    out = {top, mover};
   };
   for (const Support& support : supports_) {
     Pose pose = support.pose;
@@ -184,6 +189,22 @@ double MockWorld::top_below(std::size_t part) noexcept {
       look(scene_->parts[i].shape, other.pose, carried_by_[i]);
   }
   return out;
+}
+
+double MockWorld::top_below(std::size_t part) noexcept {
+  const description::Shape& shape = scene_->parts[part].shape;
+  const Pose& at = state_.parts[part].pose;
+  const double bottom = at.position.z - top_of(shape);
+  Below out = below(part, at.position, bottom);
+  const Vec3 half = half_of_underside(shape);
+  const Vec3 points[] = {{half.x, 0, 0}, {0, half.y, 0}, {half.x, half.y, 0}, {half.x, -half.y, 0}};
+  for (const Vec3& point : points) {
+    if (norm(half) == 0 || !is_upright(at.rotation)) break;
+    const Below a = below(part, at * point, bottom), b = below(part, at * -point, bottom);
+    if (std::min(a.top, b.top) > out.top) out = a.top < b.top ? a : b;
+  }
+  carried_by_[part] = out.mover;
+  return out.top;
 }
 
 void MockWorld::carry(std::size_t mover, double by) noexcept {

@@ -69,7 +69,14 @@ class MockWorld {
   void grip(Arm& arm, double dt, std::span<const double> asked, std::span<double> states) noexcept;
   void release_now(Arm& arm) noexcept;
   void add_supports();
-  /// The highest top below the part, m; remembers the mover that carries it. Minus infinity: there is none.
+  struct Below {
+    double top = 0;  ///< m; minus infinity: there is nothing
+    int mover = -1;
+  };
+  /// The highest top on the vertical line below a point of the part, whose underside is at `bottom`.
+  Below below(std::size_t part, const Vec3& point, double bottom) const noexcept;
+  /// The height at which the part comes to rest, m; remembers the mover that carries it. It lies on what is
+  /// below its middle, or below two opposite points of its underside. Minus infinity: there is nothing.
   double top_below(std::size_t part) noexcept;
   void carry(std::size_t mover, double by) noexcept;
   bool is_free(const Feeder& feeder) const noexcept;

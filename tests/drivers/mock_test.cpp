@@ -446,6 +446,32 @@ TEST(Mock, AReleasedPartLiesOnWhatIsBelowItAndRidesOnIt) {
   EXPECT_NEAR(rig.part(0).pose.position.y, 0, 1e-9);
 }
 
+TEST(Mock, AReleasedPartLiesAcrossAGapBetweenTwoOthers) {
+  Stage stage;
+  stage.model = gantry();
+  stage.tool = description::find_tool("suction_cup", "");
+  stage.scene = table();
+  description::Part sheet = cube("sheet", {0.2, 0, 0.002});
+  sheet.shape.size = {0.1, 0.1, 0.004};
+  stage.scene.parts = {cube("left", {0, -0.03, 0.02}), cube("right", {0, 0.03, 0.02}), sheet};
+  Rig rig = mock(stage);
+  const auto take_to = [&](double x) {
+    rig.command("arm/tool/vacuum") = 1;
+    rig.run(0.2);
+    rig.move({{"arm/z/position", -0.2}}, 0.1);
+    rig.move({{"arm/x/position", x}}, 0.1);
+    rig.command("arm/tool/vacuum") = 0;
+    rig.run(0.01);
+  };
+  rig.move({{"arm/x/position", 0.2}, {"arm/z/position", -0.3}}, 0.1);
+  rig.move({{"arm/z/position", -0.396}}, 0.1);
+  take_to(0);
+  EXPECT_NEAR(rig.part(2).pose.position.z, 0.042, 1e-9) << "on both cubes, with nothing below its middle";
+  rig.move({{"arm/z/position", -0.356}}, 0.1);
+  take_to(0.045);
+  EXPECT_NEAR(rig.part(2).pose.position.z, 0.002, 1e-9) << "with a cube below one side only it would tip";
+}
+
 TEST(Mock, FeederMoverAndOutfeedCountAsTheyAreAsked) {
   Stage stage;
   stage.model = gantry();
