@@ -394,7 +394,10 @@ class Checker {
         options_.state_folder.empty() ? own_folder() : std::filesystem::path();
     options.state_folder = scratch.empty() ? options_.state_folder : scratch / "data";
     rehearse_whole(options);
-    if (options_.dry) run_whole(options);
+    if (options_.dry && file_.program.empty())
+      result_.notes.push_back("the cell has no program: there is nothing for a dry run");
+    else if (options_.dry)
+      run_whole(options), note_closed_streams();
     std::error_code ignored;
     if (!scratch.empty()) std::filesystem::remove_all(scratch, ignored);
   }
@@ -431,6 +434,14 @@ class Checker {
     });
   }
 
+  void note_closed_streams() {
+    std::string names;
+    for (const auto& stream : file_.streams) names += (names.empty() ? "'" : ", '") + stream.name + "'";
+    if (!names.empty())
+      result_.notes.push_back("streams stay closed in the dry run: what the program waits for from " + names +
+                              " does not come");
+  }
+
   void note_omitted(const Rehearsal& found, const std::string& of) {
     if (found.left_out == 0) return;
     result_.notes.push_back(fmt::format(
@@ -459,7 +470,9 @@ class Checker {
       std::vector<Problem> found;
       if (swept) found = swept->finish();
       std::erase_if(found, [&](const Problem& problem) { return is_start_known(problem); });
-      std::erase_if(listener.problems, [&](const Problem& problem) { return is_told(problem, found); });
+      std::erase_if(listener.problems, [&](const Problem& problem) {
+        return is_told(problem, found) || is_start_known(problem);
+      });
       add_stops(inside_of(cell).guards->would_stop(), found, listener.problems);
       for (Problem& problem : found) problems_.add(std::move(problem));
       if (swept) note_clearance(*swept);

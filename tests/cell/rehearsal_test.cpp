@@ -351,6 +351,24 @@ TEST(Rehearsal, AnErrorThatTheProgramHandlesIsAWarning) {
             "W3 ; handled in line 4\n");
 }
 
+TEST(Rehearsal, AWrongValueThatTheProgramHandlesIsAWarningToo) {
+  const auto in_try = [](const std::string& line, const std::string& handler = "log(e.text)\n") {
+    return checked("func half(a)\n  return a / 2 + 1mm\nend\nlet list = [1, 2]\ntry\n" + line +
+                       "on error e\n" + handler + "end\n",
+                   kTags)
+        .texts;
+  };
+  EXPECT_EQ(in_try("log(half(2s))\n").rfind("W2 bad-type '+' cannot add", 0), 0u)
+      << in_try("log(half(2s))\n");
+  EXPECT_NE(in_try("log(half(2s))\n").find("; handled in line 7"), std::string::npos);
+  EXPECT_EQ(in_try("log(1 / 0)\n"), "W6 zero '/' by zero; handled in line 7\n");
+  EXPECT_EQ(in_try("log(list[3])\n").rfind("W6 no-element", 0), 0u);
+  EXPECT_EQ(in_try("log(1 / 0)\n", "raise\n").rfind("E6 zero", 0), 0u) << in_try("log(1 / 0)\n", "raise\n");
+  EXPECT_EQ(in_try("log(half(2mm))\n"), "");
+  EXPECT_EQ(in_try("log(1 / At)\n").find("W6 zero"), std::string::npos) << "its value comes from elsewhere";
+  EXPECT_EQ(in_try("raise \"by hand\"\n"), "");
+}
+
 TEST(Rehearsal, AnErrorThatAHandlerPassesOnOrMakesIsAnError) {
   const auto first = [](const std::string& program) { return checked(program, kTags).texts; };
   const auto starts = [&](const std::string& program, const std::string& with) {
@@ -480,6 +498,21 @@ TEST(Rehearsal, ACountThatNeverEndsIsABusyLoop) {
   const std::string texts = checked("let a = 1\nwhile a > 0\n  set a = a + 1\nend\n").texts;
   EXPECT_NE(texts.find("busy-loop the program neither waits nor moves here"), std::string::npos) << texts;
   EXPECT_EQ(checked("let a = 1\nwhile a < 900\n  set a = a + 1\nend\n").texts, "");
+}
+
+TEST(Rehearsal, ADryRunOfACellWithoutAProgramRunsNothing) {
+  know_the_mock();
+  const test::Folder folder;
+  folder.write("cell.yaml",
+               "polyarm: cell/1\nrobots:\n  arm: {model: " + test::kSixAxes + ", hardware: mock}\n");
+  int ticks = 0;
+  const CheckResult result = check(folder.path(), {}, description::Catalogue({}),
+                                   {.dry = true, .progress = [&](double) { ++ticks; }});
+  EXPECT_FALSE(result.has_errors());
+  EXPECT_EQ(ticks, 0);
+  EXPECT_NE(std::find(result.notes.begin(), result.notes.end(),
+                      "the cell has no program: there is nothing for a dry run"),
+            result.notes.end());
 }
 
 TEST(Rehearsal, ADryRunResumesAPlannedHold) {
