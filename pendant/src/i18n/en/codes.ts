@@ -61,8 +61,6 @@ export const codes = {
   'told.no-guards': 'No guards against contacts',
   'told.start-in-contact': 'The start touches something',
   'told.home-in-contact': 'Home touches something',
-  'told.part-in-contact': 'A part starts inside something',
-  'told.belt-blocked': 'Something stands in a belt',
   'told.late-wheels': 'The cell does not know these wheels',
   'told.goal-in-contact': 'The target touches something',
   'told.no-way': 'No path around obstacles was found',

@@ -59,8 +59,6 @@ export const codes: Record<keyof typeof en, string> = {
   'told.no-guards': 'Sin protección contra contactos',
   'told.start-in-contact': 'El inicio toca algo',
   'told.home-in-contact': 'La posición inicial toca algo',
-  'told.part-in-contact': 'Una pieza empieza dentro de algo',
-  'told.belt-blocked': 'Algo obstruye una cinta',
   'told.late-wheels': 'La celda no conoce estas ruedas',
   'told.goal-in-contact': 'El destino toca algo',
   'told.no-way': 'No se encontró un camino entre los obstáculos',

@@ -156,6 +156,15 @@ export const sentences: readonly (readonly [english: string, spanish: string])[]
   ["an 'expect' has no else", 'Un «expect» no tiene «else»'],
   ["'{1}' is inside {2}", '«{1}» está dentro de {2}'],
   ["'{1}' begins no statement here", '«{1}» no empieza ninguna instrucción aquí'],
+  // a tool that yields
+  ["'{1}' of comply() is a force, here is {2}", '«{1}» de comply() es una fuerza; aquí está {2}'],
+  ["comply() yields along x y z and about rx ry rz, here is '{1}'", 'comply() cede a lo largo de x y z y alrededor de rx ry rz; aquí está «{1}»'],
+  ['comply() needs at least one axis', 'comply() necesita al menos un eje'],
+  ['comply() presses along x, y or z, and the first of its axes is a rotation', 'comply() presiona a lo largo de x, y o z, y el primero de sus ejes es un giro'],
+  ["'stiffness' of comply() is from 0 to 100000 N/m, here is {1}", '«stiffness» de comply() va de 0 a 100000 N/m; aquí está {1}'],
+  ["'damping' of comply() is from 50 to 100000 N s/m, here is {1}", '«damping» de comply() va de 50 a 100000 N s/m; aquí está {1}'],
+  ["'most' of comply() is larger than the force with which the tool presses", '«most» de comply() es mayor que la fuerza con la que presiona la herramienta'],
+  ["'reach' of comply() is above 0 and at most 200mm, here is {1}", '«reach» de comply() es mayor que 0 y como máximo 200mm; aquí está {1}'],
   // texts
   ['format() shall show {1} in {2}', 'format() debe mostrar {1} en {2}'],
   ['format() has a number there, here is {1}', 'format() tiene ahí un número; aquí está {1}'],
@@ -249,6 +258,7 @@ export const sentences: readonly (readonly [english: string, spanish: string])[]
 
 /** Advice to the sentences above. */
 export const advices: readonly (readonly [english: string, spanish: string])[] = [
+  ['name the axis first', 'nombre primero el eje'],
   ['check that it is connected and that its parameters are right', 'compruebe que está conectado y que sus parámetros son correctos'],
   ['{1} takes duration, accel, touch, until, at, robot, tool, frame and payload', '{1} toma duration, accel, touch, until, at, robot, tool, frame y payload'],
   ['drive and turn take speed, accel, duration and robot, a drive to a pose also frame', 'drive y turn toman speed, accel, duration y robot; un drive a una pose, también frame'],
