@@ -263,8 +263,7 @@ TEST_F(Ways, AnOutputIsWhatItsTagSaysWhenItsHardwareComesBack) {
                             "signals: signals.yaml\n");
   folder.write("signals.yaml", "polyarm: signals/1\ntags:\n  Vacuum: {command: arm/tool/vacuum}\n");
   build();
-  const control::ControlLoop& loop = cell->cell().loop();
-  const auto vacuum = loop.table().find_command("arm/tool/vacuum");
+  const auto vacuum = cell->cell().loop().table().find_command("arm/tool/vacuum");
   ASSERT_TRUE(vacuum);
   const auto commanded = [&] { return cell->cell().snapshot().commands[*vacuum]; };
   cell->result({{"request", "tags.set"}, {"name", "Vacuum"}, {"value", true}});
