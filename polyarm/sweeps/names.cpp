@@ -37,7 +37,11 @@ class NameCheck {
     collect(problems_, [&] { index_of_robot(sweep_, file); });
     for (const std::string& program : sweep_.programs)
       if (!program.empty())
-        collect(problems_, [&] { data::find_file(program, file.folder, place_of(program)); });
+        collect(problems_, [&] {
+          // A path may also be one in the working folder, as with --program.
+          const cell::CellFile with = cell::read_cell_file(sweep_.cell, overrides_of(sweep_, "", program));
+          data::find_file(with.program, with.folder, place_of(program));
+        });
     if (!problems_.has_errors()) look_into_cells();
     return problems_.list();
   }

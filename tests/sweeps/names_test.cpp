@@ -9,6 +9,7 @@
 #include "polyarm/hardware/driver_loader.hpp"
 #include "polyarm/sweeps/sweep_file.hpp"
 #include "tests/support/command.hpp"
+#include "tests/support/folder.hpp"
 
 namespace polyarm::sweeps {
 namespace {
@@ -48,6 +49,17 @@ TEST_F(NamesOfACell, OfTheCellAreKnown) {
 TEST_F(NamesOfACell, AProgramThatIsNotThereIsNamedWithTheNearest) {
   EXPECT_EQ(found("programs: [flowing,\n  flowin]\n"),
             Findings{"5 there is no file 'flowin'; did you mean 'flowing'?"});
+}
+
+TEST_F(NamesOfACell, AProgramMayBeAPathInTheWorkingFolder) {
+  const test::Folder elsewhere;
+  elsewhere.write("apart.script", "log(1)\n");
+  const std::filesystem::path before = std::filesystem::current_path();
+  std::filesystem::current_path(elsewhere.path());
+  const Findings findings = found("programs: [apart.script, apart.scrip]\n");
+  std::filesystem::current_path(before);
+  ASSERT_EQ(findings.size(), 1u);
+  EXPECT_EQ(findings[0].find("4 there is no file 'apart.scrip'"), 0u) << findings[0];
 }
 
 TEST_F(NamesOfACell, TagsPointsAndInterfacesToo) {
