@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <exception>
 #include <limits>
 
 #include "hardware_interface/base_interface.hpp"
@@ -111,6 +112,14 @@ class Unplugged : public hardware_interface::SystemInterface {
   Port port_;
 };
 
+/// Ends as one does whose thread nobody joined.
+class Unjoined : public hardware_interface::SystemInterface {
+ public:
+  ~Unjoined() override { std::terminate(); }
+  return_type read(const rclcpp::Time&, const rclcpp::Duration&) override { return return_type::OK; }
+  return_type write(const rclcpp::Time&, const rclcpp::Duration&) override { return return_type::OK; }
+};
+
 /// Inside its namespace and before life cycles, as in Foxy.
 class OfFoxy : public hardware_interface::BaseInterface<hardware_interface::SystemInterface> {
  public:
@@ -138,6 +147,7 @@ class OfFoxy : public hardware_interface::BaseInterface<hardware_interface::Syst
 };
 
 PLUGINLIB_EXPORT_CLASS(Unplugged, hardware_interface::SystemInterface)
+PLUGINLIB_EXPORT_CLASS(Unjoined, hardware_interface::SystemInterface)
 PLUGINLIB_EXPORT_CLASS(OfFoxy, hardware_interface::SystemInterface)
 
 /// The mock of ros2_control with a state more.
@@ -313,6 +323,17 @@ TEST_F(Wrapper, OutlivesAPluginWhoseDestructorThrows) {
     }
     EXPECT_EQ(wrapped::Port::closed, i);
   }
+}
+
+TEST_F(Wrapper, SaysThatADestructorTerminatedWithoutAnException) {
+  ::testing::internal::CaptureStderr();
+  {
+    polyarm_ros::RosComponent component("any/Unjoined", "wrapped::Unjoined", true);
+    ASSERT_EQ(component.on_init(robot.context), CallbackReturn::success);
+  }
+  const std::string log = ::testing::internal::GetCapturedStderr();
+  EXPECT_NE(log.find("it called std::terminate"), std::string::npos) << log;
+  EXPECT_EQ(log.find("threw"), std::string::npos) << log;
 }
 
 TEST_F(Wrapper, RunsAPluginOfFoxy) {

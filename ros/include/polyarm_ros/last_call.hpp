@@ -25,12 +25,12 @@ namespace polyarm_ros {
 struct LastCall {
   std::mutex mutex;
   std::condition_variable changed;
-  bool over = false, threw = false;
+  bool over = false, failed = false;
   std::string text;
-  void end(bool by_throwing, std::string with) {
+  void end(bool by_failing, std::string with) {
     {
       const std::lock_guard lock(mutex);
-      over = true, threw = by_throwing, text = std::move(with);
+      over = true, failed = by_failing, text = std::move(with);
     }
     changed.notify_all();
   }
@@ -50,11 +50,14 @@ inline std::terminate_handler& earlier_handler() {
     if (earlier_handler()) earlier_handler()();
     std::abort();
   }
-  std::string text = "something that is not a std::exception";
+  std::string text = "it threw something that is not a std::exception";
   try {
-    if (const auto thrown = std::current_exception()) std::rethrow_exception(thrown);
+    if (const auto thrown = std::current_exception())
+      std::rethrow_exception(thrown);
+    else
+      text = "it called std::terminate, as at the end of a std::thread that nobody joined";
   } catch (const std::exception& e) {
-    text = e.what();
+    text = std::string("it threw: ") + e.what();
   } catch (...) {
   }
   Dl_info here{};
@@ -83,7 +86,7 @@ inline void end_of_plugin(const char* name, std::function<void()> destroy) {
     std::unique_lock wait(call->mutex);
     call->changed.wait(wait, [&] { return call->over; });
     wait.unlock();
-    if (call->threw)
+    if (call->failed)
       thread.detach();
     else
       thread.join();
@@ -91,10 +94,10 @@ inline void end_of_plugin(const char* name, std::function<void()> destroy) {
     destroy();
   }
   std::set_terminate(earlier_handler());
-  if (call->threw)
+  if (call->failed)
     log_format(
         Severity::error, name,
-        "its destructor threw, which its author must mend; what is left of the plugin stays as it is: %s",
+        "its destructor failed, which its author must mend; what is left of the plugin stays as it is: %s",
         call->text.c_str());
 }
 
