@@ -4,6 +4,8 @@
 #include <algorithm>
 
 #include "apps/client.hpp"
+#include "polyarm/base/bounds.hpp"
+#include "polyarm/base/file.hpp"
 #include "polyarm/base/text.hpp"
 #include "polyarm/yaml/yaml.hpp"
 
@@ -42,7 +44,7 @@ void flatten(const Yaml& at, const std::string& prefix, Json& out) {
 
 /// The parameters under the controller's name in a controllers' file, or a file that is a map of parameters.
 Json values_in(const std::string& file, const std::string& controller) {
-  Yaml yaml = Yaml::load(file);
+  Yaml yaml = Yaml::parse(read_file(file, bounds::kYamlBytes), file);  // a file of ROS
   for (const std::string& name : {controller, "/" + controller, std::string("/**")})
     if (yaml[name].is_map()) {
       yaml = yaml[name];

@@ -280,6 +280,12 @@ TEST_F(DoorTest, ParametersAreReadChangedDumpedAndLoaded) {
   const Finished load = run_command({"param", "load", "follow", copy.file("dump.yaml")});
   EXPECT_EQ(load.output, "changed 1 parameter\n") << dump;
   EXPECT_EQ(run_command({"param", "get", "follow", "constraints.goal_time"}).output, "1.5\n");
+  // Of a repeated key in a controllers file the last value counts, as in ROS.
+  write_file_atomically(copy.file("twice.yaml"),
+                        "constraints: {goal_time: 9}\nconstraints: {goal_time: 2.5}\n");
+  const Finished twice = run_command({"param", "load", "follow", copy.file("twice.yaml")});
+  EXPECT_EQ(twice.exit_code, 0) << twice.output;
+  EXPECT_EQ(run_command({"param", "get", "follow", "constraints.goal_time"}).output, "2.5\n");
   write_file_atomically(copy.file("other.yaml"), "constraints: {gaol_time: 2}\n");
   const Finished wrong = run_command({"param", "load", "follow", copy.file("other.yaml")});
   EXPECT_EQ(wrong.exit_code, 1);
