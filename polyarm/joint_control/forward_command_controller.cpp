@@ -105,7 +105,7 @@ CallbackReturn ForwardCommandController::on_configure(ControllerContext& context
     kinds_[i] = kind_of(kind);
     asked_.set(i, names[i], is_of_joints(kind) ? facts : nullptr);
     stops_at_zero_[i] = joint && (kind == "velocity" || kind == "acceleration");
-    outputs_[i] = !joint;
+    outputs_[i] = !facts;  // nor a reference that another controller follows with a joint
     pushes_[i] = joint && (kind == "effort" || kind == "force" || kind == "torque");
     if (joint && kind == "position" && context.has_state(names[i]))
       position_of_[i] = static_cast<int>(claim_state(names[i]));

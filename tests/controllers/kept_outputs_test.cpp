@@ -71,5 +71,22 @@ TEST(KeptOutputs, AreForgottenWhereTheyAreNotAskedFor) {
   EXPECT_EQ(io.valve(), 0) << "as ros2_control's controller";
 }
 
+/// A reference of another controller that ends in a joint moves it, as a command of the joint would.
+TEST(KeptOutputs, AReferenceOfAJointIsNoOutput) {
+  ForwardCommandController controller;
+  JointRig rig{controller, {"j1"}};
+  rig.context.command_names.push_back("pid/arm/j1/velocity");
+  rig.set("interfaces", {"pid/arm/j1/velocity"});
+  rig.set("keep_outputs", {"true"});
+  rig.start();
+  controller.send(std::vector<double>{0.5});
+  rig.step();
+  ASSERT_EQ(rig.command("pid/arm/j1/velocity"), 0.5);
+  controller.on_deactivate(rig.cycle);
+  rig.command("pid/arm/j1/velocity") = kNothing;
+  ASSERT_EQ(controller.on_activate(rig.cycle), CallbackReturn::success);
+  EXPECT_EQ(rig.command("pid/arm/j1/velocity"), 0) << "its joint stays where it is";
+}
+
 }  // namespace
 }  // namespace polyarm::controllers
