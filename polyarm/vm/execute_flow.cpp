@@ -111,11 +111,12 @@ void Interpreter::leave(Task& task, const Depths& to, int names) {
 }
 
 namespace {
-/// The end of a range whose calculated end misses a whole number of steps by its rounding: 300mm / 100mm is a
-/// bit less than 3.
+/// Half a step behind the last number of a range: counting up from a number such as 0.006 rounds, and so does a
+/// calculated end. 300mm / 100mm is a bit less than 3.
 double end_of_range(double from, double to) {
-  const double whole = from + std::round(to - from);
-  return std::abs(whole - to) <= rounding_of(from, to) ? whole : to;
+  const double whole = std::round(to - from);
+  const bool rounded = std::abs(from + whole - to) <= rounding_of(from, to);
+  return from + (rounded ? whole : std::floor(to - from)) + 0.5;
 }
 }  // namespace
 
