@@ -132,9 +132,11 @@ void HeldPlace::tick(const control::Snapshot& snapshot, const JointPlaces& place
     Reference& reference = references_[j];
     const double command = snapshot.commands[static_cast<std::size_t>(place.command)];
     const double off = snapshot.states[static_cast<std::size_t>(place.state)] - command;
-    const bool same = reference.command == command || (std::isnan(reference.command) && std::isnan(command));
-    if (reference.since < 0 || !same) reference = {command, 0, snapshot.cycle.time, false};
-    if (snapshot.cycle.time - reference.since < kSettles) continue;
+    const bool changed = std::isnan(command) != std::isnan(reference.command) ||
+                         std::abs(command - reference.command) > kPushed;
+    const bool there = !(std::abs(off) > kPushed);
+    if (reference.since < 0 || (changed && there)) reference = {command, 0, snapshot.cycle.time, false};
+    if (snapshot.cycle.time - reference.since < kSettles || !std::isfinite(off)) continue;
     if (!std::exchange(reference.taken, true)) reference.settled = off;
     const double moved = off - reference.settled;
     if (!(std::abs(moved) > std::abs(most_))) continue;
