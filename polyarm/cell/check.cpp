@@ -394,7 +394,7 @@ class Checker {
         options_.state_folder.empty() ? own_folder() : std::filesystem::path();
     options.state_folder = scratch.empty() ? options_.state_folder : scratch / "data";
     rehearse_whole(options);
-    if (options_.dry && file_.program.empty())
+    if (options_.dry && file_.program.empty() && file_.send.empty())
       result_.notes.push_back("the cell has no program: there is nothing for a dry run");
     else if (options_.dry)
       run_whole(options), note_closed_streams();
