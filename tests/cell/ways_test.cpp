@@ -255,6 +255,34 @@ TEST_F(Ways, AComponentThatComesBackWasNotMovedDuringTheHold) {
   EXPECT_EQ(error_of(ask("control.resume")), "moved-while-held") << "who is pushed then is noticed";
 }
 
+// A controller may change its command a little in every cycle, also while it is held.
+TEST_F(Ways, ACommandThatDriftsDuringAHoldHidesNoPush) {
+  build();
+  const auto places = cell->cell().joint_places();
+  control::Snapshot seen = cell->cell().snapshot();
+  const auto& first = places.all()[0];
+  double& command = seen.commands[static_cast<std::size_t>(first.command)];
+  double& measured = seen.states[static_cast<std::size_t>(first.state)];
+  seen.state = control::RunState::held;
+  command = measured = 0;
+  cell::HeldPlace held;
+  const auto hold = [&] {
+    for (int i = 0; i < 500; ++i) {
+      command += 1e-9;
+      seen.cycle.time += 2'000'000;
+      held.tick(seen, places);
+    }
+  };
+  hold();
+  EXPECT_FALSE(held.pushed());
+  measured = 0.05;
+  hold();
+  EXPECT_TRUE(held.pushed());
+  command = measured;
+  hold();
+  EXPECT_FALSE(held.pushed()) << "it was activated where it is";
+}
+
 // The tag says that the gripper holds. So does the output, from the first cycle on in which its hardware is
 // back.
 TEST_F(Ways, AnOutputIsWhatItsTagSaysWhenItsHardwareComesBack) {
