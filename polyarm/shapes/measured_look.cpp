@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cctype>
 #include <charconv>
 #include <cmath>
 #include <map>
@@ -10,6 +11,8 @@
 #include <utility>
 
 #include "polyarm/base/error.hpp"
+#include "polyarm/base/text.hpp"
+#include "polyarm/shapes/style.hpp"
 #include "polyarm/yaml/yaml.hpp"
 
 namespace polyarm::shapes {
@@ -20,13 +23,16 @@ constexpr double kUnit = 1e-4;      // m; lengths in the file are whole multiple
 constexpr double kTurn = 1e-4;      // of a quaternion's parts
 constexpr double kSame = 0.6;       // units; outlines that differ less are the same in a file
 constexpr long kLongest = 500'000;  // units
+// A file may come with a cell of a stranger: larger ones are an error and use no memory.
+constexpr std::size_t kMostLofts = 400, kMostSections = 64;
+constexpr const char* kAgain = "measure the look again with polyarm robots fit";
 
-/// The whole numbers of a text, separated by spaces.
+/// The whole numbers of a text, separated by spaces; of a longer list only the first ones.
 std::vector<double> integers(std::string_view text, const Location& where) {
   std::vector<double> out;
   const char* at = text.data();
   const char* const end = at + text.size();
-  while (at != end) {
+  while (at != end && out.size() <= kTangents + 1) {
     if (*at == ' ') {
       ++at;
       continue;
@@ -35,7 +41,7 @@ std::vector<double> integers(std::string_view text, const Location& where) {
     const auto [next, failed] = std::from_chars(at, end, value);
     if (failed != std::errc{} || (next != end && *next != ' ') || std::abs(value) > kLongest)
       throw Error(Problem{"bad-value", where, "whole numbers of at most 50 m are expected here",
-                          "measure the look again with polyarm robots fit"});
+                          kAgain});
     out.push_back(static_cast<double>(value));
     at = next;
   }
@@ -54,7 +60,7 @@ Pose read_frame(const Yaml& yaml) {
     }
   }
   throw Error(Problem{"bad-value", yaml.where(), "a frame has seven numbers: a position and a quaternion",
-                      "measure the look again with polyarm robots fit"});
+                      kAgain});
 }
 
 MeasuredSection read_section(std::string_view text, const Location& where) {
@@ -62,9 +68,7 @@ MeasuredSection read_section(std::string_view text, const Location& where) {
   const std::size_t count = n.empty() ? 0 : n.size() - 1;
   if (std::find(kTangentCounts.begin(), kTangentCounts.end(), count) == kTangentCounts.end())
     throw Error(Problem{"bad-value", where,
-                        fmt::format("a section has a place and 1, 4, 8, 16 or {} extents, here are {} numbers",
-                                    kTangents, n.size()),
-                        "measure the look again with polyarm robots fit"});
+                        fmt::format("a section has a place and 1, 4, 8, 16 or {} extents", kTangents), kAgain});
   MeasuredSection out;
   out.at = kUnit * n[0];
   out.extent = outline_of(std::span(n).subspan(1));
@@ -76,6 +80,9 @@ std::vector<MeasuredSection> read_sections(const Yaml& yaml) {
   const std::string text = yaml.text();
   std::vector<MeasuredSection> out;
   for (std::size_t at = 0; at <= text.size();) {
+    if (out.size() == kMostSections)
+      throw Error(Problem{"too-many", yaml.where(),
+                          fmt::format("a loft has at most {} sections", kMostSections), kAgain});
     const std::size_t end = std::min(text.find(',', at), text.size());
     out.push_back(read_section(std::string_view(text).substr(at, end - at), yaml.where()));
     at = end + 1;
@@ -83,14 +90,37 @@ std::vector<MeasuredSection> read_sections(const Yaml& yaml) {
   const auto above = [](const MeasuredSection& a, const MeasuredSection& b) { return a.at >= b.at; };
   if (out.size() < 2 || std::adjacent_find(out.begin(), out.end(), above) != out.end())
     throw Error(Problem{"bad-value", yaml.where(), "a loft has at least two sections in ascending order",
-                        "measure the look again with polyarm robots fit"});
+                        kAgain});
   return out;
 }
 
 MeasuredLoft read_loft(const std::string& link, const Yaml& yaml, Problems& problems) {
   yaml.check_keys({"paint", "frame", "sections"}, problems);
-  return {link, yaml["paint"].text(""), read_frame(yaml.required("frame")),
+  const std::string paint = yaml["paint"].text("");
+  if (!paint.empty() && !read_color(paint))
+    throw Error(Problem{"bad-value", yaml["paint"].where(), "'" + paint + "' is not a colour", "write #rrggbb"});
+  return {link, paint, read_frame(yaml.required("frame")),
           read_sections(yaml.required("sections"))};
+}
+
+/// In double quotes, as YAML reads it.
+std::string quoted(const std::string& text) {
+  std::string out = "\"";
+  for (const char c : text)
+    if (c == '"' || c == '\\')
+      out += std::string{'\\', c};
+    else
+      out += static_cast<unsigned char>(c) < ' ' ? ' ' : c;
+  return out + "\"";
+}
+
+/// A name as a key of YAML: in quotes if it is not plain.
+std::string key_of(const std::string& name) {
+  const bool is_plain = !name.empty() && std::all_of(name.begin(), name.end(), [](unsigned char c) {
+    return std::isalnum(c) || c == '_' || c == '/' || c == '.' || c == '-';
+  });
+  return is_plain && std::isalpha(static_cast<unsigned char>(name[0])) && lower(name) != "null" ? name
+                                                                                                : quoted(name);
 }
 
 long units(double length) {
@@ -169,7 +199,12 @@ MeasuredLook read_measured_look(const std::filesystem::path& path) {
   MeasuredLook out;
   out.source = yaml["source"].text("");
   for (const Yaml::Entry& link : yaml["links"].entries())
-    for (const Yaml& loft : link.value.items()) out.lofts.push_back(read_loft(link.key, loft, problems));
+    for (const Yaml& loft : link.value.items()) {
+      if (out.lofts.size() == kMostLofts)
+        throw Error(Problem{"too-many", loft.where(), fmt::format("a robot has at most {} lofts", kMostLofts),
+                            kAgain});
+      out.lofts.push_back(read_loft(link.key, loft, problems));
+    }
   problems.throw_if_errors();
   return out;
 }
@@ -182,9 +217,9 @@ std::string text_of(const MeasuredLook& look) {
     by_link[loft.link] += text_of(loft);
   }
   std::string out = "polyarm: look/1\n";
-  if (!look.source.empty()) out += fmt::format("source: \"{}\"\n", look.source);
+  if (!look.source.empty()) out += fmt::format("source: {}\n", quoted(look.source));
   out += "links:\n";
-  for (const std::string& link : order) out += fmt::format("  {}:\n{}", link, by_link[link]);
+  for (const std::string& link : order) out += fmt::format("  {}:\n{}", key_of(link), by_link[link]);
   return out;
 }
 

@@ -42,7 +42,8 @@ inline constexpr std::array<std::size_t, 5> kTangentCounts{1, 4, 8, 16, kTangent
 /// The fewest tangents whose outline differs nowhere by more than `tolerance` from these extents.
 std::vector<double> fewest_tangents(const std::array<double, kTangents>& extent, double tolerance);
 
-/// Reads a file with the first line `polyarm: look/1`. Throws Error that names file and line.
+/// Reads a file with the first line `polyarm: look/1`: at most 400 lofts of at most 64 sections. Throws Error
+/// that names file and line.
 MeasuredLook read_measured_look(const std::filesystem::path& path);
 
 /// The file's content. Lengths are rounded to 0.1 mm, directions to 1e-4.

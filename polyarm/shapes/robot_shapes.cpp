@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <map>
 
+#include "polyarm/base/bounds.hpp"
 #include "polyarm/base/file.hpp"
 #include "polyarm/description/look.hpp"
 #include "polyarm/meshes/glb_writer.hpp"
@@ -65,10 +66,10 @@ MeasuredLook measured_look(const RobotModel& model, Problems& problems) {
   }
 }
 
-/// The content of a file; empty if it cannot be read.
+/// The content of a file; empty if it cannot be read, or is larger than measured_look() reads.
 std::string content_of(const std::string& path) {
   try {
-    return read_file(path);
+    return read_file(path, bounds::kYamlBytes);
   } catch (const Error&) {
     return {};
   }

@@ -62,7 +62,7 @@ TEST_F(MeasuredLookFile, SaysWhereItIsWrong) {
         "{frame: \"0 0 0 0 0 0 1\", sections: \"0 1 2, 5 1\"}",
         "{frame: \"0 0 0 0 0 0 1\", sections: \"0 1x, 5 1\"}",
         "{frame: \"0 0 0 0 0 0 1\", sections: \"0 99999999, 5 1\"}", "{sections: \"0 1, 5 1\"}",
-        "{frame: \"0 0 0 0 0 0 1\"}", "{frame: \"0 0 0 0 0 0 1\", sections: \"0 1, 5 1\", hat: 1}"}) {
+        "{frame: \"0 0 0 0 0 0 1\"}", "{paint: red, frame: \"0 0 0 0 0 0 1\", sections: \"0 1, 5 1\"}", "{frame: \"0 0 0 0 0 0 1\", sections: \"0 1, 5 1\", hat: 1}"}) {
     try {
       read_measured_look(written(head + wrong + "\n"));
       if (std::string(wrong).find("hat") == std::string::npos) ADD_FAILURE() << wrong << " was accepted";
@@ -71,6 +71,38 @@ TEST_F(MeasuredLookFile, SaysWhereItIsWrong) {
     }
   }
   EXPECT_THROW(read_measured_look(written("polyarm: robot/1\n")), Error);
+}
+
+TEST_F(MeasuredLookFile, KeepsNamesAndSourcesThatYamlWouldReadOtherwise) {
+  MeasuredLook look = example();
+  look.source = "a \"drawing\" in C:\\cad: 1";
+  look.lofts[0].link = "null";
+  look.lofts[1].link = "left: #1 \"a\"";
+  const MeasuredLook read = read_measured_look(written(text_of(look)));
+  EXPECT_EQ(read.source, look.source);
+  ASSERT_EQ(read.lofts.size(), 2u);
+  EXPECT_EQ(read.lofts[0].link, "null");
+  EXPECT_EQ(read.lofts[1].link, look.lofts[1].link);
+}
+
+TEST_F(MeasuredLookFile, RefusesMoreThanAnyRobotNeeds) {
+  MeasuredLook look = example();
+  look.lofts.resize(1);
+  MeasuredLoft& loft = look.lofts[0];
+  const MeasuredSection section = loft.sections[0];
+  loft.sections.clear();
+  for (int i = 0; i < 64; ++i) {
+    loft.sections.push_back(section);
+    loft.sections.back().at = 0.01 * i;
+  }
+  EXPECT_NO_THROW(read_measured_look(written(text_of(look))));
+  loft.sections.push_back(section);
+  loft.sections.back().at = 1;
+  EXPECT_THROW(read_measured_look(written(text_of(look))), Error);
+  look.lofts.assign(400, example().lofts[0]);
+  EXPECT_NO_THROW(read_measured_look(written(text_of(look))));
+  look.lofts.push_back(look.lofts[0]);
+  EXPECT_THROW(read_measured_look(written(text_of(look))), Error);
 }
 
 TEST_F(MeasuredLookFile, DamagedFilesEndInAnErrorOrAMesh) {
