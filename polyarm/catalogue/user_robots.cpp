@@ -115,9 +115,10 @@ fs::path remove_robot(const std::string& name, const fs::path& folder) {
   check_name(name);
   std::error_code error;
   fs::path removed;
-  for (const char* ending : {".urdf", ".yaml", ".srdf"}) {
+  for (const char* ending : {".urdf", ".yaml", ".srdf", ".look"}) {
     const fs::path file = folder / (name + ending);
-    if (!fs::exists(file, error) || (removed.empty() && file.extension() == ".srdf")) continue;
+    const bool is_beside = file.extension() == ".srdf" || file.extension() == ".look";
+    if (!fs::exists(file, error) || (removed.empty() && is_beside)) continue;
     if (!fs::remove(file, error))
       throw Error("not-removed", file.string() + " cannot be removed: " + error.message());
     if (removed.empty()) removed = file;
