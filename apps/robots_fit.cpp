@@ -233,7 +233,13 @@ Comparison compare(const RobotModel& model, const Measured& to) {
   for (const Problem& problem : warnings.list()) fmt::print(stderr, "{}\n", problem.text());
   for (const auto& [body, each] : to.bodies)
     place_into(mesh, each, to.at.links[static_cast<std::size_t>(body)]);
-  return {mesh.size(), look.size(), distances(look, mesh), distances(mesh, look)};
+  if (look.empty() || mesh.empty())
+    throw Error("no-mesh", "the meshes or the look have no triangles", "name a description with meshes of the robot");
+  Comparison out{mesh.size(), look.size(), distances(look, mesh), distances(mesh, look)};
+  if (out.there.empty() || out.back.empty())
+    throw Error("no-mesh", "no surface of the meshes or of the look is visible from outside",
+                "check the meshes and their units");
+  return out;
 }
 
 /// Throws if a body has no mesh: next to measured surfaces its made-up ones would not fit.
@@ -254,6 +260,7 @@ Comparison measure_into(const std::string& file, const std::string& source, Robo
     shapes::MeasuredLook look = measure(model, of, detail);
     look.source = source;
     write_file_atomically(file, shapes::text_of(look));
+    shapes::read_measured_look(file);  // an error if no cell could read it: meshes in millimetres are too large
     model.look[description::kMeasuredLook] = file;
     out = compare(model, of);
     if (out.p95() < kCloseEnough * of.reach) break;
@@ -291,7 +298,7 @@ int run_robots_fit(int argc, char** argv) {
                "one line: name, triangles of the meshes and of the look, reach, p95, largest (m)");
   app.footer(examples({"polyarm robots fit universal_robots/ur5e ur5e.urdf",
                        "polyarm robots fit universal_robots/ur5e ur.urdf.xacro name:=ur ur_type:=ur5e",
-                       "polyarm robots fit acme/a6 a6.urdf --out ~/.config/polyarm/robots/acme/a6.look"}));
+                       "polyarm robots fit robots/a6.yaml a6.urdf --out robots/a6.look"}));
   if (const auto code = app.parse(argc, argv)) return *code;
   Problems warnings;
   const description::Catalogue catalogue = open_catalogue();
@@ -302,8 +309,7 @@ int run_robots_fit(int argc, char** argv) {
   const std::vector<double> start = model.start();
   for (std::size_t i = 0; i < start.size(); ++i) state[model.joint_names()[i]] = start[i];
   Measured measured;
-  for (const description::CatalogueEntry& entry : catalogue.entries())
-    if (entry.name == robot.name) measured.reach = entry.reach_m.value_or(1);
+  measured.reach = model.provenance.reach_m.value_or(1);
   measured.at = posed(model, state);
   measured.bodies = meshes_by_body(model, measured.at, meshed, posed(meshed, state), measured.reach);
   if (measured.bodies.empty())
