@@ -4,7 +4,8 @@ import type { Status } from '../src/wire/types';
 
 vi.stubGlobal('navigator', { language: 'en', userAgent: '' });
 let answer: () => unknown;
-vi.mock('../src/state/cell', async (original) => ({ ...(await original<object>()), request: async () => answer(), complain: () => undefined }));
+let opensCell: () => void = () => undefined;
+vi.mock('../src/state/cell', async (original) => ({ ...(await original<object>()), request: async () => answer(), complain: () => undefined, onEvent: (_: string, take: () => void) => (opensCell = take) }));
 const { status } = await import('../src/state/cell');
 const { lastRefusal, recoverHardware } = await import('../src/state/recovery');
 
@@ -38,5 +39,12 @@ it('is forgotten when the hardware comes back, here or by another screen', async
   inactive('arm', 'other');
   expect(lastRefusal.value).not.toBeNull();
   inactive();
+  expect(lastRefusal.value).toBeNull();
+});
+
+it('is not said of the next cell', async () => {
+  answer = refuses('the fence is open');
+  await recoverHardware({ controllers: true });
+  opensCell();
   expect(lastRefusal.value).toBeNull();
 });
