@@ -36,6 +36,15 @@ describe('BreakpointKeeper', () => {
   });
   afterEach(() => void vi.useRealTimers());
 
+  it('tells text and lines again when it is asked to', async () => {
+    const keeper = make();
+    keeper.retell();
+    expect(asked).toEqual([]);
+    keeper.open('job.script', kText, [2]);
+    await answered([2]);
+    keeper.retell();
+    expect(asked[1]).toEqual(['job.script', kText, [2]]);
+  });
   it('tells the text that is opened, so that the cell finds its breakpoints in it', async () => {
     const keeper = make();
     keeper.open('job.script', kText, [2]);

@@ -93,6 +93,11 @@ export class BreakpointKeeper {
     }, this.options.wait ?? 300);
   }
 
+  /** Sends the present text and lines again, when the page may. */
+  retell(): void {
+    if (this.name !== '' && this.timer === undefined) void this.ask(() => this.options.tell(this.name, this.text, this.lines));
+  }
+
   async toggle(line: number): Promise<void> {
     const on = !this.lines.includes(line);
     this.take(on ? [...this.lines, line] : this.lines.filter((each) => each !== line));

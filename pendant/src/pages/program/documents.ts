@@ -96,8 +96,13 @@ const keeper = new DraftKeeper({
   onState: (state) => (draftState.value = state),
   store: localDrafts,
 });
+/** The file whose breakpoints have moved in this browser only. */
+let movedHere = '';
 effect(() => {
-  if (mayProgram.value) keeper.retry();
+  if (!mayProgram.value) return;
+  keeper.retry();
+  if (movedHere !== '' && movedHere === fileName.peek()) untracked(() => marks.retell());
+  movedHere = '';
 });
 
 // --- files
@@ -416,8 +421,12 @@ const toldBreakpoints = () => (program.value ? ofThisFile((program.value.breakpo
 /** The lines with breakpoints in the present text. */
 export const breakpoints = signal<number[]>([]);
 const marks = new BreakpointKeeper({
-  // The breakpoints of a page that may not edit move in its own text only.
-  tell: async (name, now, lines) => (mayProgram.peek() || !lines ? askBreakpoints('program.edited', { name, text: now, ...(lines && { lines }) }) : lines),
+  // The breakpoints of a page that may not edit move in its own text only, until it may.
+  tell: async (name, now, lines) => {
+    if (mayProgram.peek() || !lines) return askBreakpoints('program.edited', { name, text: now, ...(lines && { lines }) });
+    movedHere = name;
+    return lines;
+  },
   toggle: (name, now, line, on) =>
     askBreakpoints('program.break', { [on ? 'at' : 'off']: [`${name}:${line}`], text: now }).catch((error: unknown) => {
       complain(error);
