@@ -20,7 +20,7 @@ namespace {
 
 constexpr std::size_t kMostTriangles = 8'000;  // of a link; finer meshes are made coarser first
 constexpr double kAlike = 0.12;                 // colours this close are one colour
-constexpr int kCoarser = 7;                     // times that the tolerance may grow
+constexpr int kCoarser = 7;                     // times that the tolerance may grow before pieces are dropped
 constexpr double kNearMain = 0.35;              // colours this close to the main one get its paint
 constexpr double kLeastShare = 0.03;             // of the visible surface; smaller colours are labels
 constexpr int kLines = 32;                      // directions in which a point is looked at
@@ -91,6 +91,19 @@ struct PaintedPieces {
   std::string paint;
   std::vector<Hull> pieces;
 };
+
+/// Takes the smallest piece away.
+void drop_smallest(std::vector<PaintedPieces>& all) {
+  std::vector<Hull>* from = nullptr;
+  std::ptrdiff_t at = 0;
+  for (PaintedPieces& each : all)
+    for (std::size_t i = 0; i < each.pieces.size(); ++i) {
+      if (from && each.pieces[i].volume >= (*from)[static_cast<std::size_t>(at)].volume) continue;
+      from = &each.pieces;
+      at = static_cast<std::ptrdiff_t>(i);
+    }
+  if (from) from->erase(from->begin() + at);
+}
 
 std::vector<MeasuredLoft> lofts_of(const std::vector<PaintedPieces>& all, const std::string& link,
                                    double tolerance) {
@@ -166,7 +179,7 @@ std::vector<MeasuredLoft> fit_look(const meshes::Mesh& mesh, const std::string& 
     hulls::PieceOptions cut;
     cut.most_pieces = std::max<std::size_t>(
         2, static_cast<std::size_t>(std::lround(share * static_cast<double>(options.most_pieces))));
-    cut.most_corners = 96;
+    cut.most_corners = 256;
     cut.desired_excess = 0.002;
     PaintedPieces out{own ? hex(each.color) : std::string{}, {}};
     for (Hull& piece : hulls::convex_pieces(each.triangles, cut).pieces)
@@ -176,8 +189,13 @@ std::vector<MeasuredLoft> fit_look(const meshes::Mesh& mesh, const std::string& 
   }
   double tolerance = options.tolerance;
   std::vector<MeasuredLoft> out = lofts_of(pieces, link, tolerance);
-  for (int i = 0; i < kCoarser && shapes::text_size(out) > options.most_text; ++i)
-    out = lofts_of(pieces, link, tolerance *= 1.5);
+  for (int i = 0; shapes::text_size(out) > options.most_text; ++i) {
+    if (i < kCoarser)
+      tolerance *= 1.5;
+    else
+      drop_smallest(pieces);
+    out = lofts_of(pieces, link, tolerance);
+  }
   return out;
 }
 

@@ -111,6 +111,7 @@ TEST(FitLook, ABentLinkHasSeveralLoftsThatFit) {
 TEST(FitLook, ASphereFitsWithinItsTolerance) {
   const Mesh mesh = shape(ShapeKind::sphere, {}, 0.1, 0, {});
   const std::vector<MeasuredLoft> lofts = fit_look(mesh, "arm", {});
+  EXPECT_LE(lofts.size(), 2u);
   EXPECT_LT(distance(mesh, lofts), 0.004);
 }
 
