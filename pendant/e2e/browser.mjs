@@ -42,7 +42,7 @@ export async function screen(browser, link, options = {}) {
   page.problems = [];
   page.on('pageerror', (error) => page.problems.push(error.message));
   page.on('console', (message) => {
-    if (message.type() === 'error' && !/ERR_CONNECTION_(REFUSED|RESET)|ERR_INTERNET_DISCONNECTED|WebSocket connection/.test(message.text())) page.problems.push(message.text());
+    if (message.type() === 'error' && !/ERR_CONNECTION_(REFUSED|RESET)|ERR_SOCKET_NOT_CONNECTED|ERR_INTERNET_DISCONNECTED|WebSocket connection/.test(message.text())) page.problems.push(message.text());
   });
   page.on('request', (request) => {
     const { hostname } = new URL(request.url());
