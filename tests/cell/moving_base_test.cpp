@@ -167,7 +167,9 @@ TEST(MovingBase, OfAnArmIsFixed) {
 
 TEST(MovingBase, AControllerThatIsLoadedLaterSaysThatItMakesNoWheels) {
   Folder folder;
-  test::write_jetbot_cell(folder, "log(1)\n");
+  folder.write("cell.yaml", "polyarm: cell/1\nrobots:\n  jetbot: {model: " + std::string(POLYARM_SOURCE_DIR) +
+                                "/examples/jetbot/urdf/jetbot.urdf.xacro, hardware: mock}\n"
+                                "controllers: controllers.yaml\n");
   folder.write("controllers.yaml",
                "controller_manager:\n  ros__parameters:\n    update_rate: 100\n"
                "    joint_state_broadcaster: {type: joint_state_broadcaster/JointStateBroadcaster}\n");
