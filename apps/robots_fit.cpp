@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <iterator>
+#include <limits>
 #include <map>
 #include <optional>
 #include <random>
@@ -28,6 +29,7 @@ using description::ShapeKind;
 using hulls::Triangle;
 
 constexpr int kSamples = 4'000;
+constexpr double kOtherRobot = 0.06;  // of the reach; larger differences of size mean another model
 constexpr double kOff = 2e-4;  // m; visibility is judged this far off a surface
 
 /// Adds the triangles of a mesh, moved by `pose`.
@@ -133,9 +135,9 @@ meshes::Mesh mesh_of(const std::vector<Shape>& shapes) {
 
 /// The meshes of a description, by the link of the catalogue's robot whose body they belong to and in its
 /// frame. A link that the catalogue does not have belongs to the body of the next link above that it has. A
-/// link without meshes to look at has those that it collides with.
+/// link without meshes to look at has those that it collides with. `most_off`: see check_size, m.
 std::map<int, meshes::Mesh> meshes_by_body(const RobotModel& model, const Posed& ours,
-                                           const RobotModel& meshed, const Posed& theirs, double reach) {
+                                           const RobotModel& meshed, const Posed& theirs, double most_off) {
   const std::vector<int> carrier = carriers(model);
   std::map<int, meshes::Mesh> out;
   for (std::size_t i = 0; i < meshed.links.size(); ++i) {
@@ -155,7 +157,7 @@ std::map<int, meshes::Mesh> meshes_by_body(const RobotModel& model, const Posed&
     meshes::Mesh whole = mesh_of(meshed.links[i].visuals);
     if (whole.empty()) whole = mesh_of(meshed.links[i].collisions);
     if (known == static_cast<int>(i))
-      check_size(model.links[static_cast<std::size_t>(link)], whole, 0.06 * reach);
+      check_size(model.links[static_cast<std::size_t>(link)], whole, most_off);
     for (meshes::MeshPart& part : whole) {
       for (auto& p : part.positions) {
         const Vec3 moved = at * Vec3{p[0], p[1], p[2]};
@@ -311,7 +313,9 @@ int run_robots_fit(int argc, char** argv) {
   Measured measured;
   measured.reach = model.provenance.reach_m.value_or(1);
   measured.at = posed(model, state);
-  measured.bodies = meshes_by_body(model, measured.at, meshed, posed(meshed, state), measured.reach);
+  const double most_off =
+      out_file.empty() ? std::numeric_limits<double>::infinity() : kOtherRobot * measured.reach;
+  measured.bodies = meshes_by_body(model, measured.at, meshed, posed(meshed, state), most_off);
   if (measured.bodies.empty())
     throw Error("no-mesh", "the description has no mesh on a link that '" + model.name + "' has",
                 "name the folder of its package in POLYARM_PACKAGES");

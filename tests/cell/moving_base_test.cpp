@@ -182,7 +182,8 @@ TEST(MovingBase, AControllerThatIsLoadedLaterSaysThatItMakesNoWheels) {
                       {{"left_wheel_names", {"left_wheel_joint"}},
                        {"right_wheel_names", {"right_wheel_joint"}},
                        {"wheel_separation", 0.104},
-                       {"wheel_radius", 0.032}}}});
+                       {"wheel_radius", 0.032},
+                       {"position_feedback", false}}}});
   };
   const auto late = load(bench, "late");
   ASSERT_TRUE(late["ok"].get<bool>()) << late.dump();

@@ -7,6 +7,7 @@
 #include <array>
 #include <cctype>
 #include <cmath>
+#include <filesystem>
 #include <set>
 
 #include "polyarm/base/file.hpp"
@@ -78,6 +79,12 @@ TEST(RobotsCommand, ComparesALookWithTheMeshesOfADescription) {
       run_command({"robots", "fit", "universal_robots/ur5e", file, "link:=upper_arm_link", "--csv"});
   ASSERT_EQ(fit.exit_code, 0) << fit.output;
   EXPECT_NE(fit.output.find("universal_robots/ur5e,1,"), std::string::npos) << fit.output;
+  const std::string look = (folder.path() / "ur5e.look").string();
+  const Finished measured =
+      run_command({"robots", "fit", "universal_robots/ur5e", file, "link:=upper_arm_link", "--out", look});
+  EXPECT_NE(measured.exit_code, 0);
+  EXPECT_NE(measured.output.find("than the robot file says"), std::string::npos) << measured.output;
+  EXPECT_FALSE(std::filesystem::exists(look)) << "surfaces of another robot are not kept";
   const Finished other = run_command({"robots", "fit", "universal_robots/ur5e", file});
   EXPECT_NE(other.exit_code, 0);
   EXPECT_NE(other.output.find("has no mesh on a link"), std::string::npos) << other.output;
