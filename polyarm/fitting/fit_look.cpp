@@ -19,14 +19,14 @@ using shapes::MeasuredLoft;
 namespace {
 
 constexpr std::size_t kMostTriangles = 8'000;  // of a link; finer meshes are made coarser first
-constexpr double kAlike = 0.12;                 // colours this close are one colour
-constexpr int kCoarser = 7;                     // times that the tolerance may grow before pieces are dropped
-constexpr double kNearMain = 0.35;              // colours this close to the main one get its paint
-constexpr double kLeastShare = 0.03;             // of the visible surface; smaller colours are labels
-constexpr int kLines = 32;                      // directions in which a point is looked at
-constexpr int kLeastOpen = 4;                   // in fewer it lies deep in a hole, and nobody sees it
-constexpr double kLargeTriangle = 2e-4;         // m²; twice the area; larger ones may be visible in part
-constexpr double kOff = 2e-4;                   // m; visibility is judged this far off a surface
+constexpr double kAlike = 0.12;                // colours this close are one colour
+constexpr int kCoarser = 7;                    // times that the tolerance may grow before pieces are dropped
+constexpr double kNearMain = 0.35;             // colours this close to the main one get its paint
+constexpr double kLeastShare = 0.03;           // of the visible surface; smaller colours are labels
+constexpr int kLines = 32;                     // directions in which a point is looked at
+constexpr int kLeastOpen = 4;                  // in fewer it lies deep in a hole, and nobody sees it
+constexpr double kLargeTriangle = 2e-4;        // m²; twice the area; larger ones may be visible in part
+constexpr double kOff = 2e-4;                  // m; visibility is judged this far off a surface
 
 /// A colour and its triangles.
 struct Painted {
@@ -45,38 +45,46 @@ std::vector<Painted> by_color(const meshes::Mesh& mesh, bool with_colors) {
       return !with_colors || difference(each.color, part.color) < kAlike;
     });
     if (same == out.end()) same = out.insert(out.end(), Painted{part.color, {}});
-    for (Triangle& triangle : surface_of({part})) same->triangles.push_back(triangle);
+    for (Triangle& triangle : hulls::surface_of({part})) same->triangles.push_back(triangle);
   }
   return out;
+}
+
+/// True if lines from the point meet no triangle in enough directions.
+bool is_open(const TriangleTree& tree, const Vec3& point) {
+  int left = kLeastOpen;
+  for (int i = 0; i < kLines; ++i) {
+    // Directions evenly spread over the sphere: a spiral (Vogel 1979).
+    const double z = 1 - (2 * i + 1.0) / kLines, r = std::sqrt(1 - z * z), turn = 2.399963229728653 * i;
+    if (tree.escapes(point, {r * std::cos(turn), r * std::sin(turn), z}) && --left == 0) return true;
+    if (kLines - i - 1 < left) return false;
+  }
+  return false;
 }
 
 bool is_visible(const TriangleTree& tree, const Triangle& triangle) {
   const Vec3 normal = cross(triangle[1] - triangle[0], triangle[2] - triangle[0]);
   const double area = norm(normal);
   if (area < 1e-14) return false;
-  const Vec3 off = (kOff / area) * normal, middle = (1.0 / 3) * (triangle[0] + triangle[1] + triangle[2]);
-  const auto sees = [&](const Vec3& at) {
-    return fitting::is_visible(tree, at + off) || fitting::is_visible(tree, at - off);
-  };
-  if (sees(middle)) return true;
+  const Vec3 middle = (1.0 / 3) * (triangle[0] + triangle[1] + triangle[2]);
+  if (fitting::is_visible(tree, middle, normal)) return true;
   if (area < kLargeTriangle) return false;
-  return std::any_of(triangle.begin(), triangle.end(),
-                     [&](const Vec3& corner) { return sees(0.8 * corner + 0.2 * middle); });
+  return std::any_of(triangle.begin(), triangle.end(), [&](const Vec3& corner) {
+    return fitting::is_visible(tree, 0.8 * corner + 0.2 * middle, normal);
+  });
 }
 
-/// A piece's corners within its thinnest box are at most this far apart.
-double thickness(const Hull& hull) {
-  const hulls::Axes axes = hulls::principal_axes(hull.corners);
-  return axes.upper[2] - axes.lower[2];
-}
-
-double largest(const Hull& hull) {
-  const hulls::Axes axes = hulls::principal_axes(hull.corners);
-  return axes.upper[0] - axes.lower[0];
+/// True for screws, letters and labels.
+bool is_left_out(const Hull& piece, const FitOptions& options) {
+  const hulls::Axes axes = hulls::principal_axes(piece.corners);
+  return axes.upper[0] - axes.lower[0] <= options.smallest ||
+         axes.upper[2] - axes.lower[2] <= options.tolerance;
 }
 
 std::string hex(const std::array<float, 4>& color) {
-  const auto byte = [](float part) { return static_cast<int>(std::lround(std::clamp(part, 0.f, 1.f) * 255)); };
+  const auto byte = [](float part) {
+    return static_cast<int>(std::lround(std::clamp(part, 0.f, 1.f) * 255));
+  };
   return fmt::format("#{:02x}{:02x}{:02x}", byte(color[0]), byte(color[1]), byte(color[2]));
 }
 
@@ -132,36 +140,16 @@ std::array<float, 4> main_color(const meshes::Mesh& mesh) {
   return out;
 }
 
-std::vector<Triangle> surface_of(const meshes::Mesh& mesh) {
-  std::vector<Triangle> out;
-  for (const meshes::MeshPart& part : mesh)
-    for (std::size_t i = 0; i + 2 < part.triangles.size(); i += 3) {
-      Triangle triangle;
-      for (std::size_t k = 0; k < 3; ++k) {
-        const auto& p = part.positions[part.triangles[i + k]];
-        triangle[k] = {p[0], p[1], p[2]};
-      }
-      out.push_back(triangle);
-    }
-  return out;
-}
-
-bool is_visible(const TriangleTree& tree, const Vec3& point) {
-  int left = kLeastOpen;
-  for (int i = 0; i < kLines; ++i) {
-    // Directions evenly spread over the sphere: a spiral (Vogel 1979).
-    const double z = 1 - (2 * i + 1.0) / kLines, r = std::sqrt(1 - z * z), turn = 2.399963229728653 * i;
-    if (tree.escapes(point, {r * std::cos(turn), r * std::sin(turn), z}) && --left == 0) return true;
-    if (kLines - i - 1 < left) return false;
-  }
-  return false;
+bool is_visible(const TriangleTree& tree, const Vec3& point, const Vec3& normal) {
+  const Vec3 off = kOff * normalized(normal);
+  return is_open(tree, point + off) || is_open(tree, point - off);
 }
 
 std::vector<MeasuredLoft> fit_look(const meshes::Mesh& mesh, const std::string& link,
                                    const FitOptions& options) {
   meshes::Mesh coarse = mesh;
   meshes::simplify(coarse, kMostTriangles);
-  std::vector<Triangle> all = surface_of(coarse);
+  std::vector<Triangle> all = hulls::surface_of(coarse);
   if (all.empty()) return {};
   const TriangleTree tree(all);
   std::vector<Painted> groups = by_color(coarse, options.with_colors);
@@ -183,8 +171,7 @@ std::vector<MeasuredLoft> fit_look(const meshes::Mesh& mesh, const std::string& 
     cut.desired_excess = 0.002;
     PaintedPieces out{own ? hex(each.color) : std::string{}, {}};
     for (Hull& piece : hulls::convex_pieces(each.triangles, cut).pieces)
-      if (largest(piece) > options.smallest && thickness(piece) > options.tolerance)
-        out.pieces.push_back(std::move(piece));
+      if (!is_left_out(piece, options)) out.pieces.push_back(std::move(piece));
     pieces.push_back(std::move(out));
   }
   double tolerance = options.tolerance;

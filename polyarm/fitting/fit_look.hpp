@@ -13,8 +13,8 @@
 namespace polyarm::fitting {
 
 struct FitOptions {
-  double tolerance = 0.001;      ///< largest distance of a loft's sections from the piece that it describes, m
-  double smallest = 0.008;       ///< smaller pieces are left out (screws, letters), m
+  double tolerance = 0.001;  ///< largest distance of a loft's sections from the piece that it describes, m
+  double smallest = 0.008;   ///< smaller pieces are left out (screws, letters), m
   std::size_t most_pieces = 11;  ///< of a link
   std::size_t most_text = 3500;  ///< characters of a link in the file; the tolerance grows until it fits
   bool with_colors = false;      ///< each colour of the mesh gets its own lofts
@@ -29,11 +29,8 @@ std::vector<shapes::MeasuredLoft> fit_look(const meshes::Mesh& mesh, const std::
 /// The colour with the largest surface.
 std::array<float, 4> main_color(const meshes::Mesh& mesh);
 
-/// The triangles of all parts.
-std::vector<hulls::Triangle> surface_of(const meshes::Mesh& mesh);
-
-/// True if straight lines lead from the point away from all triangles in an eighth of all directions: on an
-/// outer surface in half of them, deep in a hole in few.
-bool is_visible(const hulls::TriangleTree& tree, const Vec3& point);
+/// True if straight lines lead away from a point of a surface, on one of its sides, in an eighth of all
+/// directions: on an outer surface in half of them, deep in a hole in few. `normal`: of any length.
+bool is_visible(const hulls::TriangleTree& tree, const Vec3& point, const Vec3& normal);
 
 }  // namespace polyarm::fitting

@@ -15,10 +15,10 @@ using shapes::MeasuredSection;
 namespace {
 
 constexpr double kStep = 2 * std::numbers::pi / kTangents;
-constexpr int kPlaces = 16;              // places along an axis that are looked at, beside those of corners
+constexpr int kPlaces = 16;  // places along an axis that are looked at, beside those of corners
 constexpr std::size_t kMostSections = 9;
-constexpr double kNear = 3e-4;           // m; least distance of two sections
-constexpr double kInset = 1e-3;          // of the length: the ends of a hull are looked at a little inside
+constexpr double kNear = 3e-4;   // m; least distance of two sections
+constexpr double kInset = 1e-3;  // of the length: the ends of a hull are looked at a little inside
 
 using Extents = std::array<double, kTangents>;
 
@@ -188,19 +188,20 @@ Candidate fit_along(const Hull& hull, const Vec3& axis, double tolerance) {
 std::vector<Vec3> large_sides(const Hull& hull, std::size_t most) {
   std::vector<std::pair<double, Vec3>> sides;
   for (const auto& face : hull.faces) {
-    const Vec3 normal = cross(hull.corners[face[1]] - hull.corners[face[0]],
-                              hull.corners[face[2]] - hull.corners[face[0]]);
+    const Vec3 normal =
+        cross(hull.corners[face[1]] - hull.corners[face[0]], hull.corners[face[2]] - hull.corners[face[0]]);
     const double area = norm(normal);
     if (area < 1e-12) continue;
     const Vec3 unit = (1 / area) * normal;
-    const auto same =
-        std::find_if(sides.begin(), sides.end(), [&](const auto& side) { return dot(side.second, unit) > 0.9999; });
+    const auto same = std::find_if(sides.begin(), sides.end(),
+                                   [&](const auto& side) { return dot(side.second, unit) > 0.9999; });
     if (same != sides.end())
       same->first += area;
     else
       sides.push_back({area, unit});
   }
-  std::stable_sort(sides.begin(), sides.end(), [](const auto& a, const auto& b) { return a.first > b.first; });
+  std::stable_sort(sides.begin(), sides.end(),
+                   [](const auto& a, const auto& b) { return a.first > b.first; });
   std::vector<Vec3> out;
   for (std::size_t i = 0; i < std::min(most, sides.size()); ++i) out.push_back(sides[i].second);
   return out;

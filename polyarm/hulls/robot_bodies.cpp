@@ -39,22 +39,8 @@ struct Body {
   BodyReport report;
 };
 
-std::vector<Triangle> triangles_of(const meshes::Mesh& mesh, const Vec3& scale) {
-  std::vector<Triangle> out;
-  for (const meshes::MeshPart& part : mesh)
-    for (std::size_t i = 0; i + 2 < part.triangles.size(); i += 3) {
-      Triangle triangle;
-      for (std::size_t k = 0; k < 3; ++k) {
-        const auto& p = part.positions[part.triangles[i + k]];
-        triangle[k] = {scale.x * p[0], scale.y * p[1], scale.z * p[2]};
-      }
-      out.push_back(triangle);
-    }
-  return out;
-}
-
 Body computed(const Shape& shape) {
-  const std::vector<Triangle> triangles = triangles_of(meshes::read_mesh(shape.mesh_path), shape.scale);
+  const std::vector<Triangle> triangles = surface_of(meshes::read_mesh(shape.mesh_path), shape.scale);
   const ConvexPieces made = convex_pieces(triangles);
   Body out;
   for (const Hull& hull : made.pieces) out.pieces.push_back(hull.corners);

@@ -149,4 +149,18 @@ bool TriangleTree::escapes(const Vec3& point, const Vec3& direction) const {
   return true;
 }
 
+std::vector<Triangle> surface_of(const meshes::Mesh& mesh, const Vec3& scale) {
+  std::vector<Triangle> out;
+  for (const meshes::MeshPart& part : mesh)
+    for (std::size_t i = 0; i + 2 < part.triangles.size(); i += 3) {
+      Triangle triangle;
+      for (std::size_t k = 0; k < 3; ++k) {
+        const auto& p = part.positions[part.triangles[i + k]];
+        triangle[k] = {scale.x * p[0], scale.y * p[1], scale.z * p[2]};
+      }
+      out.push_back(triangle);
+    }
+  return out;
+}
+
 }  // namespace polyarm::hulls

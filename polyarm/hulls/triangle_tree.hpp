@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "polyarm/base/pose.hpp"
+#include "polyarm/meshes/mesh.hpp"
 
 namespace polyarm::hulls {
 
@@ -33,6 +34,9 @@ class TriangleTree {
   std::vector<Triangle> triangles_;
   std::vector<Node> nodes_;
 };
+
+/// The triangles of all parts of a mesh, scaled.
+std::vector<Triangle> surface_of(const meshes::Mesh& mesh, const Vec3& scale = {1, 1, 1});
 
 /// The point of a triangle that is closest to `p`. Source: Ericson, Real-Time Collision Detection, 5.1.5.
 Vec3 nearest_point(const Triangle& triangle, const Vec3& p);

@@ -57,12 +57,14 @@ TEST_F(MeasuredLookFile, IsReadAsItWasWritten) {
 TEST_F(MeasuredLookFile, SaysWhereItIsWrong) {
   const std::string head = "polyarm: look/1\nlinks:\n  arm:\n    - ";
   for (const char* wrong :
-       {"{frame: \"0 0 0 0 0 0\", sections: \"0 1, 5 1\"}", "{frame: \"0 0 0 0 0 0 0\", sections: \"0 1, 5 1\"}",
-        "{frame: \"0 0 0 0 0 0 1\", sections: \"0 1\"}", "{frame: \"0 0 0 0 0 0 1\", sections: \"5 1, 0 1\"}",
+       {"{frame: \"0 0 0 0 0 0\", sections: \"0 1, 5 1\"}",
+        "{frame: \"0 0 0 0 0 0 0\", sections: \"0 1, 5 1\"}", "{frame: \"0 0 0 0 0 0 1\", sections: \"0 1\"}",
+        "{frame: \"0 0 0 0 0 0 1\", sections: \"5 1, 0 1\"}",
         "{frame: \"0 0 0 0 0 0 1\", sections: \"0 1 2, 5 1\"}",
         "{frame: \"0 0 0 0 0 0 1\", sections: \"0 1x, 5 1\"}",
         "{frame: \"0 0 0 0 0 0 1\", sections: \"0 99999999, 5 1\"}", "{sections: \"0 1, 5 1\"}",
-        "{frame: \"0 0 0 0 0 0 1\"}", "{paint: red, frame: \"0 0 0 0 0 0 1\", sections: \"0 1, 5 1\"}", "{frame: \"0 0 0 0 0 0 1\", sections: \"0 1, 5 1\", hat: 1}"}) {
+        "{frame: \"0 0 0 0 0 0 1\"}", "{paint: red, frame: \"0 0 0 0 0 0 1\", sections: \"0 1, 5 1\"}",
+        "{frame: \"0 0 0 0 0 0 1\", sections: \"0 1, 5 1\", hat: 1}"}) {
     try {
       read_measured_look(written(head + wrong + "\n"));
       if (std::string(wrong).find("hat") == std::string::npos) ADD_FAILURE() << wrong << " was accepted";
@@ -113,9 +115,15 @@ TEST_F(MeasuredLookFile, DamagedFilesEndInAnErrorOrAMesh) {
     for (int k = 0; k < 3; ++k) {
       const std::size_t at = random() % damaged.size();
       switch (random() % 3) {
-        case 0: damaged[at] = static_cast<char>(random() % 256); break;
-        case 1: damaged.erase(at, 1 + random() % 9); break;
-        default: damaged.insert(at, std::string("0123456789 ,-").substr(random() % 12, 2)); break;
+        case 0:
+          damaged[at] = static_cast<char>(random() % 256);
+          break;
+        case 1:
+          damaged.erase(at, 1 + random() % 9);
+          break;
+        default:
+          damaged.insert(at, std::string("0123456789 ,-").substr(random() % 12, 2));
+          break;
       }
     }
     try {
