@@ -40,8 +40,7 @@ std::vector<double> integers(std::string_view text, const Location& where) {
     long value = 0;
     const auto [next, failed] = std::from_chars(at, end, value);
     if (failed != std::errc{} || (next != end && *next != ' ') || std::abs(value) > kLongest)
-      throw Error(Problem{"bad-value", where, "whole numbers of at most 50 m are expected here",
-                          kAgain});
+      throw Error(Problem{"bad-value", where, "whole numbers of at most 50 m are expected here", kAgain});
     out.push_back(static_cast<double>(value));
     at = next;
   }
@@ -59,8 +58,8 @@ Pose read_frame(const Yaml& yaml) {
       return out;
     }
   }
-  throw Error(Problem{"bad-value", yaml.where(), "a frame has seven numbers: a position and a quaternion",
-                      kAgain});
+  throw Error(
+      Problem{"bad-value", yaml.where(), "a frame has seven numbers: a position and a quaternion", kAgain});
 }
 
 MeasuredSection read_section(std::string_view text, const Location& where) {
@@ -68,7 +67,8 @@ MeasuredSection read_section(std::string_view text, const Location& where) {
   const std::size_t count = n.empty() ? 0 : n.size() - 1;
   if (std::find(kTangentCounts.begin(), kTangentCounts.end(), count) == kTangentCounts.end())
     throw Error(Problem{"bad-value", where,
-                        fmt::format("a section has a place and 1, 4, 8, 16 or {} extents", kTangents), kAgain});
+                        fmt::format("a section has a place and 1, 4, 8, 16 or {} extents", kTangents),
+                        kAgain});
   MeasuredSection out;
   out.at = kUnit * n[0];
   out.extent = outline_of(std::span(n).subspan(1));
@@ -89,8 +89,8 @@ std::vector<MeasuredSection> read_sections(const Yaml& yaml) {
   }
   const auto above = [](const MeasuredSection& a, const MeasuredSection& b) { return a.at >= b.at; };
   if (out.size() < 2 || std::adjacent_find(out.begin(), out.end(), above) != out.end())
-    throw Error(Problem{"bad-value", yaml.where(), "a loft has at least two sections in ascending order",
-                        kAgain});
+    throw Error(
+        Problem{"bad-value", yaml.where(), "a loft has at least two sections in ascending order", kAgain});
   return out;
 }
 
@@ -98,9 +98,9 @@ MeasuredLoft read_loft(const std::string& link, const Yaml& yaml, Problems& prob
   yaml.check_keys({"paint", "frame", "sections"}, problems);
   const std::string paint = yaml["paint"].text("");
   if (!paint.empty() && !read_color(paint))
-    throw Error(Problem{"bad-value", yaml["paint"].where(), "'" + paint + "' is not a colour", "write #rrggbb"});
-  return {link, paint, read_frame(yaml.required("frame")),
-          read_sections(yaml.required("sections"))};
+    throw Error(
+        Problem{"bad-value", yaml["paint"].where(), "'" + paint + "' is not a colour", "write #rrggbb"});
+  return {link, paint, read_frame(yaml.required("frame")), read_sections(yaml.required("sections"))};
 }
 
 /// In double quotes, as YAML reads it.
@@ -119,8 +119,9 @@ std::string key_of(const std::string& name) {
   const bool is_plain = !name.empty() && std::all_of(name.begin(), name.end(), [](unsigned char c) {
     return std::isalnum(c) || c == '_' || c == '/' || c == '.' || c == '-';
   });
-  return is_plain && std::isalpha(static_cast<unsigned char>(name[0])) && lower(name) != "null" ? name
-                                                                                                : quoted(name);
+  return is_plain && std::isalpha(static_cast<unsigned char>(name[0])) && lower(name) != "null"
+             ? name
+             : quoted(name);
 }
 
 long units(double length) {
@@ -181,7 +182,8 @@ std::vector<double> fewest_tangents(const std::array<double, kTangents>& extent,
     for (std::size_t i = 0; i < count; ++i) out.push_back(extent[i * kTangents / count]);
     if (count == 1)
       out[0] = (*std::min_element(extent.begin(), extent.end()) +
-                *std::max_element(extent.begin(), extent.end())) / 2;
+                *std::max_element(extent.begin(), extent.end())) /
+               2;
     const std::array<double, kTangents> have = outline_of(out);
     double most = 0;
     for (std::size_t k = 0; k < kTangents; ++k) most = std::max(most, std::abs(have[k] - extent[k]));

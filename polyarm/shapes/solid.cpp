@@ -60,16 +60,18 @@ void lid(MeshPart& part, std::uint32_t loop, std::uint32_t count, const Vec3& ce
 }
 
 /// The corners of a section, anticlockwise about its z.
-void outline(MeshPart& part, const Section& section) {
+std::vector<Vec3> outline(const Section& section) {
   const double corner = std::clamp(section.corner, 0.0, std::min(section.half_x, section.half_y));
+  std::vector<Vec3> out;
   for (std::uint32_t k = 0; k < 4 * kCorner; ++k) {
     const std::uint32_t quarter = k / kCorner;
     const double angle = std::numbers::pi / 2 * (quarter + static_cast<double>(k % kCorner) / (kCorner - 1));
     const double sx = quarter == 0 || quarter == 3 ? 1 : -1, sy = quarter < 2 ? 1 : -1;
     const Vec3 p{sx * (section.half_x - corner) + corner * std::cos(angle),
                  sy * (section.half_y - corner) + corner * std::sin(angle), 0};
-    add(part, section.frame * p);
+    out.push_back(section.frame * p);
   }
+  return out;
 }
 
 }  // namespace
@@ -124,19 +126,9 @@ void Solid::drum(const Pose& frame, double from, double to, double radius, doubl
 }
 
 void Solid::loft(std::span<const Section> sections, const Paint& paint) {
-  if (sections.size() < 2) return;
-  MeshPart& out = part(paint);
-  constexpr std::uint32_t kCount = 4 * kCorner;
-  std::uint32_t first = 0, before = 0;
-  for (std::size_t s = 0; s < sections.size(); ++s) {
-    const auto begin = static_cast<std::uint32_t>(out.positions.size());
-    outline(out, sections[s]);
-    if (s == 0) first = begin;
-    if (s > 0) band(out, before, begin, kCount);
-    before = begin;
-  }
-  lid(out, first, kCount, sections.front().frame.position, false);
-  lid(out, before, kCount, sections.back().frame.position, true);
+  std::vector<std::vector<Vec3>> loops;
+  for (const Section& section : sections) loops.push_back(outline(section));
+  skin(loops, paint);
 }
 
 void Solid::skin(std::span<const std::vector<Vec3>> loops, const Paint& paint) {
