@@ -4,10 +4,9 @@
 #include <algorithm>
 
 #include "apps/client.hpp"
-#include "polyarm/base/bounds.hpp"
-#include "polyarm/base/file.hpp"
 #include "polyarm/base/text.hpp"
 #include "polyarm/yaml/yaml.hpp"
+#include "polyarm/yaml/yaml_repeats.hpp"
 
 namespace polyarm::apps {
 
@@ -44,7 +43,7 @@ void flatten(const Yaml& at, const std::string& prefix, Json& out) {
 
 /// The parameters under the controller's name in a controllers' file, or a file that is a map of parameters.
 Json values_in(const std::string& file, const std::string& controller) {
-  Yaml yaml = Yaml::parse(read_file(file, bounds::kYamlBytes), file);  // a file of ROS
+  Yaml yaml = load_with_repeats(file);
   for (const std::string& name : {controller, "/" + controller, std::string("/**")})
     if (yaml[name].is_map()) {
       yaml = yaml[name];

@@ -8,7 +8,6 @@
 #include "apps/plan_around.hpp"
 #include "apps/plan_motion.hpp"
 #include "apps/plan_moves.hpp"
-#include "polyarm/base/bounds.hpp"
 #include "polyarm/base/file.hpp"
 #include "polyarm/base/text.hpp"
 #include "polyarm/data/file_lookup.hpp"
@@ -19,6 +18,7 @@
 #include "polyarm/ros_files/trajectory_file.hpp"
 #include "polyarm/setup/robots.hpp"
 #include "polyarm/yaml/yaml.hpp"
+#include "polyarm/yaml/yaml_repeats.hpp"
 
 namespace polyarm::apps {
 
@@ -95,7 +95,7 @@ bool is_cell_file(const std::string& word) {
   std::error_code error;
   if (!fs::is_regular_file(word, error)) return false;
   try {
-    return Yaml::parse(read_file(word, bounds::kYamlBytes), word)["polyarm"].text("").starts_with("cell/");
+    return load_with_repeats(word)["polyarm"].text("").starts_with("cell/");
   } catch (const Error&) {  // the reader of the file reports the error
     return false;
   }

@@ -30,6 +30,7 @@
 #include "polyarm/setup/frame_check.hpp"
 #include "polyarm/signals/tags.hpp"
 #include "polyarm/yaml/yaml.hpp"
+#include "polyarm/yaml/yaml_repeats.hpp"
 
 namespace polyarm::cell {
 
@@ -125,8 +126,7 @@ class Checker {
     collect(problems_, [&] {  // malformed tags still count as known names
       std::error_code ignored;
       if (file_.signals.empty() || !std::filesystem::exists(beside(file_.signals), ignored)) return;
-      const std::string path = beside(file_.signals);
-      for (const std::string& tag : Yaml::parse(read_file(path, bounds::kYamlBytes), path)["tags"].keys())
+      for (const std::string& tag : load_with_repeats(beside(file_.signals))["tags"].keys())
         known.names.try_emplace(tag);
     });
     std::filesystem::path script, plc;

@@ -3,9 +3,7 @@
 #include <map>
 #include <utility>
 
-#include "polyarm/base/bounds.hpp"
 #include "polyarm/base/error.hpp"
-#include "polyarm/base/file.hpp"
 #include "polyarm/messages/json.hpp"
 #include "polyarm/messages/types.hpp"
 #include "polyarm/protocol/controllers.hpp"
@@ -13,6 +11,7 @@
 #include "polyarm/ros2/cell_door.hpp"
 #include "polyarm/ros2/life_cycle.hpp"
 #include "polyarm/yaml/yaml.hpp"
+#include "polyarm/yaml/yaml_repeats.hpp"
 
 namespace polyarm::ros2 {
 
@@ -324,7 +323,7 @@ class ManagerNode : public Part {
 
   /// Adds what a file sets for the node of that name; later keys override earlier ones.
   void add_parameters(const std::string& file, const std::string& name, Json& into) const {
-    const Yaml yaml = Yaml::parse(read_file(file, bounds::kYamlBytes), file);
+    const Yaml yaml = load_with_repeats(file);
     const std::string whole = bridge_.name(name);
     for (const std::string& key :
          {std::string("/**"), "/**/" + name, "/**" + whole, std::string(name), whole}) {

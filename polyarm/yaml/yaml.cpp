@@ -83,8 +83,12 @@ Yaml Yaml::parse(std::string_view text, std::string name) {
   return out;
 }
 
+Yaml load_with_repeats(const std::string& path) {
+  return Yaml::parse(read_file(path, bounds::kYamlBytes), path);
+}
+
 Yaml Yaml::load(const std::string& path) {
-  Yaml out = parse(read_file(path, bounds::kYamlBytes), path);
+  Yaml out = load_with_repeats(path);
   Problems problems;
   check_repeats(out, problems);
   problems.throw_if_errors();
