@@ -1,4 +1,4 @@
-// What stands in the way of hardware that comes back: the last refusal, until something is active again.
+// The latest refusal of a recovery is shown until all hardware is active.
 import { beforeEach, expect, it, vi } from 'vitest';
 import type { Status } from '../src/wire/types';
 

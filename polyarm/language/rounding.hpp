@@ -1,7 +1,7 @@
 #pragma once
-/// What programs see of the rounding of floating-point numbers: nothing. 30deg six times is 180deg, and 300mm / 100mm
-/// is 3. Two numbers are equal if they differ by at most 1e-12 of the larger one, or by 1e-12 in SI units. Whole
-/// numbers are compared exactly. Any thread; allocates nothing. All numbers are finite.
+/// Programs compare numbers without the rounding of floating-point arithmetic. 30deg six times is 180deg, and
+/// 300mm / 100mm is 3. Two numbers are equal if they differ by at most 1e-12 of the larger one, or by 1e-12
+/// in SI units. Whole numbers are compared exactly. Any thread; allocates nothing. All numbers are finite.
 #include <algorithm>
 #include <cmath>
 

@@ -111,8 +111,8 @@ void Interpreter::leave(Task& task, const Depths& to, int names) {
 }
 
 namespace {
-/// Half a step behind the last number of a range: counting up from a number such as 0.006 rounds, and so does a
-/// calculated end. 300mm / 100mm is a bit less than 3.
+/// Half a step behind the last number of a range: counting up from a number such as 0.006 rounds, and so does
+/// a calculated end. 300mm / 100mm is a bit less than 3.
 double end_of_range(double from, double to) {
   const double whole = std::round(to - from);
   const bool rounded = std::abs(from + whole - to) <= rounding_of(from, to);

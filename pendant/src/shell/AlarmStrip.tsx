@@ -42,7 +42,7 @@ export function AlarmStrip() {
   // A cell that could not start has all errors of its files: people mend the first one first.
   const alarm = (status.value?.state === 'no cell' ? errors[0] : errors[errors.length - 1]) ?? unseen[unseen.length - 1];
   if (!alarm) return null;
-  // What stands in the way now counts more than what began the fault.
+  // The latest refusal replaces the first cause, which may be over.
   const refusal = alarm.code === 'fault' ? lastRefusal.value : null;
   const told = problemWords(refusal ?? alarm);
   const advice = alarm.code === 'fault' ? afterFault() : told.advice;
