@@ -1,9 +1,7 @@
 #include "polyarm/server/sessions.hpp"
 
 #include <algorithm>
-#include <atomic>
 #include <cmath>
-#include <map>
 #include <optional>
 #include <utility>
 
@@ -18,29 +16,16 @@
 #include "polyarm/server/documents.hpp"
 #include "polyarm/server/events.hpp"
 #include "polyarm/server/jog_watch.hpp"
+#include "polyarm/server/seats.hpp"
 #include "polyarm/server/state_frames.hpp"
 
 namespace polyarm::server {
 
 namespace {
-
-// Pages also load files, and viewers of other tools connect.
-static_assert(bounds::kPageClients + bounds::kControlSeats + 128 <= bounds::kConnections);
-
 constexpr double kStatusEvery = 0.1, kLogEvery = 0.1;
-
-/// A connected client, as the cell thread sees it.
-struct Seat {
-  std::shared_ptr<Client> client;
-  std::string name;
-  bool listens = false, greeted = false;  ///< listens: wants events; greeted: has received the full state
-  double rate = 0, due = 0;
-  double reserved_until = 0;  ///< it uses a seat reserved for control until this time; 0: no such seat
-};
 
 using protocol::Any;
 using protocol::Role;
-
 }  // namespace
 
 class Sessions::Work {
@@ -48,30 +33,22 @@ class Sessions::Work {
   Work(cell::Observer& next, std::string version, users::AuditLog* audit)
       : journal(next), version_(std::move(version)), audit_(audit) {}
 
-  /// Clients that may take control have some seats beyond the limit for all.
-  std::shared_ptr<Client> welcome(Client::Side side) {
-    const std::lock_guard lock(mutex_);
-    const bool may_take = side.role != protocol::Role::watch;
-    if (connected_ >= bounds::kPageClients + (may_take ? bounds::kControlSeats : 0)) return nullptr;
-    ++connected_;
-    auto client = std::make_shared<Client>(++last_client_, std::move(side), rope, waiting_);
-    arrived_.emplace_back(client, connected_ > bounds::kPageClients);
-    return client;
-  }
+  std::shared_ptr<Client> welcome(Client::Side side) { return seats_.welcome(std::move(side), rope); }
 
   void attach(cell::CellView& cell) {
     cell_ = &cell;
-    jogs_.emplace(cell.held_motions(), [this](std::uint64_t to, const std::string& line) { tell(to, line); });
+    jogs_.emplace(cell.held_motions(),
+                  [this](std::uint64_t to, const std::string& line) { seats_.tell(to, line); });
     frames_.emplace(cell, ++layout_);
     events_.emplace(cell);
     status_.clear();
-    for (auto& [number, seat] : seats_) seat.greeted = false;
+    for (auto& [number, seat] : seats_.all()) seat.greeted = false;
   }
 
   void detach() {
     if (!cell_) return;
     const Error gone("no-cell", "the cell was closed or restarted before it answered", "ask again");
-    for (const auto& [number, seat] : seats_) cell_->requests().refuse(seat.client.get(), gone);
+    for (const auto& [number, seat] : seats_.all()) cell_->requests().refuse(seat.client.get(), gone);
     cell_ = nullptr;
     jogs_.reset();
     frames_.reset();
@@ -87,12 +64,12 @@ class Sessions::Work {
     report_control();
     report_events_of_cell();
     send_frames();
-    return any_woken();
+    return seats_.any_woken();
   }
 
   bool take() {
     take_lines();
-    return any_woken();
+    return seats_.any_woken();
   }
 
   Pendant::Counts counts() const {
@@ -100,17 +77,13 @@ class Sessions::Work {
     out.clients = seats_.size();
     out.requests = requests;
     out.frames = frames_sent_;
-    out.omitted_frames = omitted_frames_;
-    out.omitted_events = omitted_events_;
-    for (const auto& [number, seat] : seats_) {
-      out.omitted_frames += seat.client->omitted_frames();
-      out.omitted_events += seat.client->omitted_events();
-    }
+    out.omitted_frames = seats_.omitted_frames();
+    out.omitted_events = seats_.omitted_events();
     return out;
   }
 
   std::optional<users::Actor> actor(const void* client) const {
-    for (const auto& [number, seat] : seats_)
+    for (const auto& [number, seat] : seats_.all())
       if (seat.client.get() == client) return seat.client->actor(seat.name);
     return std::nullopt;
   }
@@ -124,34 +97,16 @@ class Sessions::Work {
   // --- coming and going
 
   void check_clients() {
-    {
-      const std::lock_guard lock(mutex_);
-      for (auto& [client, reserved] : arrived_) {
-        Seat seat;
-        seat.name = client->login ? client->login->user : client->from;
-        if (reserved) seat.reserved_until = now_ + bounds::kControlSeat_ms / 1000.0;
-        const std::uint64_t number = client->number;
-        seat.client = std::move(client);
-        seats_.emplace(number, std::move(seat));
-      }
-      arrived_.clear();
-    }
+    seats_.seat_arrivals(now_);
     take_urgent();  // of those who leave, too: a stop counts, whoever sent it
-    for (auto each = seats_.begin(); each != seats_.end();) {
-      keep_seats_for_control(each->second);
-      end_with_login(*each->second.client);
-      if (!each->second.client->gone()) {
-        ++each;
-        continue;
-      }
-      if (jogs_) jogs_->end_all(each->first, "gone");
-      control_.gone(each->first);
-      omitted_frames_ += each->second.client->omitted_frames();
-      omitted_events_ += each->second.client->omitted_events();
-      each = seats_.erase(each);
-      const std::lock_guard lock(mutex_);
-      --connected_;
+    for (auto& [number, seat] : seats_.all()) {
+      keep_seats_for_control(seat);
+      end_with_login(*seat.client);
     }
+    seats_.free_seats([this](const Seat& seat) {
+      if (jogs_) jogs_->end_all(seat.client->number, "gone");
+      control_.gone(seat.client->number);
+    });
   }
 
   /// A connection of a user ends with the log-in; until then it renews it.
@@ -187,7 +142,7 @@ class Sessions::Work {
     bool first = true;  // one line is always taken, even if the time is used up
     for (std::size_t empty = 0;
          empty < seats_.size() && lines_left_ > 0 && (first || taken < time_left_);) {
-      Seat& seat = next_seat();
+      Seat& seat = seats_.next();
       const auto line = seat.client->line();
       empty = line ? 0 : empty + 1;
       if (!line) continue;
@@ -207,22 +162,8 @@ class Sessions::Work {
   }
 
   void take_urgent() {
-    for (auto& [number, seat] : seats_)
+    for (auto& [number, seat] : seats_.all())
       for (std::string& line : seat.client->urgent()) take(seat, {std::move(line), false, false});
-  }
-
-  /// The client after the one whose line was taken last.
-  Seat& next_seat() {
-    auto next = seats_.upper_bound(served_);
-    if (next == seats_.end()) next = seats_.begin();
-    served_ = next->first;
-    return next->second;
-  }
-
-  bool any_woken() {
-    bool wake = false;
-    for (auto& [number, seat] : seats_) wake = seat.client->take_wake() || wake;
-    return wake;
   }
 
   void take(Seat& seat, const Client::Line& line) {
@@ -291,7 +232,7 @@ class Sessions::Work {
   void require_control(const Seat& seat, const std::string& what) const {
     if (control_.holds(seat.client->number)) return;
     const std::string who =
-        control_.holder() ? "'" + name_of(control_.holder()) + "' has control" : "nobody has control";
+        control_.holder() ? "'" + seats_.name_of(control_.holder()) + "' has control" : "nobody has control";
     throw Error("no-control", "'" + what + "' is refused: " + who, "take control first: session.take");
   }
 
@@ -314,7 +255,7 @@ class Sessions::Work {
                                       type->facts == &protocol::TagsRelease::kFacts ||
                                       type->facts == &protocol::FilesDraft::kFacts);
     Json request = fields.json();
-    if (names_asker) request["by"] = name_of(seat.client->number);
+    if (names_asker) request["by"] = seats_.name_of(seat.client->number);
     cell_->requests().handle(
         Any(std::move(request)), bytes,
         [client = seat.client,
@@ -409,14 +350,9 @@ class Sessions::Work {
 
   protocol::OrNull<protocol::ClientName> who(std::uint64_t client) const {
     protocol::OrNull<protocol::ClientName> out;
-    if (client != 0) out.emplace(protocol::ClientName{client, name_of(client)});
+    if (client != 0) out.emplace(protocol::ClientName{client, seats_.name_of(client)});
     return out;
   }
-  std::string name_of(std::uint64_t client) const {
-    const auto found = seats_.find(client);
-    return found == seats_.end() ? "a client that is gone" : found->second.name;
-  }
-
   protocol::SessionHello::Answer hello(Seat& seat, const protocol::SessionHello& request) {
     if (request.name) seat.name = seat.client->shown_name(request.name->substr(0, bounds::kClientNameBytes));
     seat.listens = true;
@@ -450,7 +386,7 @@ class Sessions::Work {
     const std::uint64_t before = control_.holder();
     const Control::Taken taken = control_.take(client, request.force, now_);
     if (taken == Control::Taken::others)
-      throw Error("asked-already", "'" + name_of(control_.asker()) + "' has asked for control already",
+      throw Error("asked-already", "'" + seats_.name_of(control_.asker()) + "' has asked for control already",
                   "wait a moment");
     if (taken == Control::Taken::yes && before != 0 && before != client && jogs_)
       jogs_->end_all(before, "control");
@@ -508,10 +444,6 @@ class Sessions::Work {
 
   // --- reporting
 
-  void tell(std::uint64_t to, const std::string& line) {
-    if (const auto found = seats_.find(to); found != seats_.end()) found->second.client->answer(line);
-  }
-
   void report_control() {
     for (const ControlReport& news : control_.take_reports()) {
       constexpr const char* kWhats[] = {"asked", "given", "refused", "taken", "lost", "free"};
@@ -521,17 +453,17 @@ class Sessions::Work {
       const Json event{{"event", asked ? "asked" : "control"},
                        {"what", kWhats[static_cast<std::size_t>(news.what)]},
                        {"client", news.other},
-                       {"name", name_of(news.other)},
+                       {"name", seats_.name_of(news.other)},
                        {"seconds", asked ? Json(control_.left(now_)) : Json()},
                        {"you_hold", control_.holds(news.to)}};
-      if (news.to != 0) tell(news.to, dump(event));
+      if (news.to != 0) seats_.tell(news.to, dump(event));
     }
   }
 
   void broadcast(Kind kind, const Text& text, const std::function<Text()>& whole = {}) {
     if (!text) return;
     Text all;
-    for (auto& [number, seat] : seats_) {
+    for (auto& [number, seat] : seats_.all()) {
       if (!seat.listens || !seat.greeted) continue;
       if (whole && seat.client->waits(kind)) {
         if (!all) all = whole();
@@ -555,8 +487,8 @@ class Sessions::Work {
   }
 
   void report_events_of_cell() {
-    const bool anybody =
-        std::any_of(seats_.begin(), seats_.end(), [](const auto& each) { return each.second.listens; });
+    const bool anybody = std::any_of(seats_.all().begin(), seats_.all().end(),
+                                     [](const auto& each) { return each.second.listens; });
     if (!anybody) return;
     const std::uint64_t key =
         cell_ ? (static_cast<std::uint64_t>(cell_->snapshot().state) << 8) + control_.holder() : ~0ull;
@@ -579,7 +511,7 @@ class Sessions::Work {
       events_->report(now_, [this](Kind kind, const Text& text, const std::function<Text()>& whole) {
         broadcast(kind, text, whole);
       });
-    for (auto& [number, seat] : seats_)
+    for (auto& [number, seat] : seats_.all())
       if (seat.listens && !std::exchange(seat.greeted, true)) greet(seat);
   }
 
@@ -599,7 +531,7 @@ class Sessions::Work {
   void send_frames() {
     if (!frames_) return;
     Text frame;
-    for (auto& [number, seat] : seats_) {
+    for (auto& [number, seat] : seats_.all()) {
       if (seat.rate <= 0 || !seat.greeted || now_ < seat.due) continue;
       // All clients of one rate are due in the same tick: one frame is made, and the I/O thread is woken
       // once.
@@ -612,19 +544,13 @@ class Sessions::Work {
 
   std::string version_;
   users::AuditLog* audit_;
-  const std::shared_ptr<Waiting> waiting_ = std::make_shared<Waiting>();
-  std::mutex mutex_;  // protects the next three, which the I/O thread also changes
-  std::vector<std::pair<std::shared_ptr<Client>, bool>> arrived_;  // true: on a seat reserved for control
-  std::uint64_t last_client_ = 0;
-  std::size_t connected_ = 0;
 
   cell::CellView* cell_ = nullptr;
   double now_ = 0;
-  std::map<std::uint64_t, Seat> seats_;
+  Seats seats_;
   static constexpr Nanoseconds kBudgetEvery = 2'000'000;  // one tick
   std::size_t lines_left_ = 0;                            // left in the budget
   Nanoseconds time_left_ = 0, budget_since_ = 0;
-  std::uint64_t served_ = 0;  // the client whose line was taken last
   Control control_;
   std::optional<JogWatch> jogs_;
   std::optional<StateFrames> frames_;
@@ -633,7 +559,7 @@ class Sessions::Work {
   std::string status_;
   std::uint64_t status_key_ = 0, lines_reported_ = 0, alarms_sent_ = 0;
   double sent_status_ = 0, sent_log_ = 0;
-  std::uint64_t frames_sent_ = 0, omitted_frames_ = 0, omitted_events_ = 0;
+  std::uint64_t frames_sent_ = 0;
 };
 
 Sessions::Sessions(cell::Observer& next, std::string version, users::AuditLog* audit)
