@@ -28,17 +28,45 @@ using hulls::Triangle;
 namespace {
 
 constexpr int kSamples = 4'000;
+constexpr double kSameJoints =
+    5;  // a robot with the same joints may have meshes that are so much further off
 
 /// Adds the triangles of a mesh, moved by `pose`.
 void place_into(std::vector<Triangle>& out, const meshes::Mesh& mesh, const Pose& pose) {
   for (const Triangle& t : hulls::surface_of(mesh)) out.push_back({pose * t[0], pose * t[1], pose * t[2]});
 }
 
-/// The poses of all links in the world. Joints take the values of `by_name`, others zero.
-std::vector<Pose> posed(const RobotModel& model, const std::map<std::string, double>& by_name) {
+/// What most names of `theirs` have before a name of `ours`: the prefix of a robot in a description for
+/// several.
+std::string prefix_of(const std::vector<std::string>& theirs, const std::vector<std::string>& ours) {
+  std::map<std::string, std::size_t> counts;
+  for (const std::string& longer : theirs)
+    for (const std::string& name : ours)
+      if (longer.ends_with(name)) ++counts[longer.substr(0, longer.size() - name.size())];
+  const auto most = std::max_element(counts.begin(), counts.end(), [](const auto& a, const auto& b) {
+    return a.second < b.second;  // of equal ones the first, which is the shortest
+  });
+  return most == counts.end() ? "" : most->first;
+}
+
+/// The names without the prefix, empty where they do not have it.
+std::vector<std::string> without(const std::string& prefix, std::vector<std::string> names) {
+  for (std::string& name : names) name = name.starts_with(prefix) ? name.substr(prefix.size()) : "";
+  return names;
+}
+
+std::vector<std::string> link_names(const RobotModel& model) {
+  std::vector<std::string> out;
+  for (const description::Link& link : model.links) out.push_back(link.name);
+  return out;
+}
+
+/// The poses of all links in the world. Joints take the values of `by_name`, others zero. `names`: of the
+/// moving joints.
+std::vector<Pose> posed(const RobotModel& model, const std::vector<std::string>& names,
+                        const std::map<std::string, double>& by_name) {
   std::vector<double> q;
-  for (const std::string& name : model.joint_names())
-    q.push_back(by_name.contains(name) ? by_name.at(name) : 0);
+  for (const std::string& name : names) q.push_back(by_name.contains(name) ? by_name.at(name) : 0);
   std::vector<Pose> out(model.links.size());
   kinematics::Chain(model, model.tool_link()).link_poses(q, out);
   return out;
@@ -162,26 +190,101 @@ shapes::MeasuredLook look_of(const RobotModel& model, const MeshedRobot& of, con
 
 }  // namespace
 
+namespace {
+
+/// True if all links that move are there under their names, and the joints are at the same places relative to
+/// each other and to the link that the first of them is fixed to.
+bool has_same_joints(const RobotModel& model, const MeshedRobot& ours, const std::vector<std::string>& names,
+                     const std::vector<Pose>& theirs) {
+  constexpr double kSame = 0.005;  // of the reach
+  std::optional<Pose> to_ours;
+  const auto is_same = [&](int link, bool needed) {
+    const auto at = static_cast<std::size_t>(link);
+    const auto found = std::find(names.begin(), names.end(), model.links[at].name);
+    if (found == names.end()) return !needed;
+    const Pose& their = theirs[static_cast<std::size_t>(found - names.begin())];
+    if (!to_ours) to_ours = ours.links[at] * inverse(their);
+    return norm((*to_ours * their).position - ours.links[at].position) <= kSame * ours.reach;
+  };
+  for (const description::Joint& joint : model.joints)
+    if (joint.moves() && (!is_same(joint.parent_link, false) || !is_same(joint.child_link, true)))
+      return false;
+  return to_ours.has_value();
+}
+
+/// The links that move one after the other, from the base to the tool, behind the link that the first joint
+/// is fixed to.
+std::vector<int> moving_chain(const RobotModel& model) {
+  std::vector<int> out;
+  int base = -1;
+  for (int link = model.tool_link(); link >= 0;) {
+    const int joint = model.links[static_cast<std::size_t>(link)].parent_joint;
+    if (joint < 0) break;
+    const description::Joint& each = model.joints[static_cast<std::size_t>(joint)];
+    link = each.parent_link;
+    if (!each.moves()) continue;
+    out.push_back(each.child_link);
+    base = each.parent_link;
+  }
+  out.push_back(base);
+  std::reverse(out.begin(), out.end());
+  return out;
+}
+
+/// Gives links that stand in the same order at the same places, in the same frames, the names of `model`:
+/// others name the links of the same robot in other ways.
+void name_by_order(const RobotModel& model, const RobotModel& meshed, std::vector<std::string>& names) {
+  constexpr double kSame = 0.002, kSameTurn = 0.01;  // of the reach; rad
+  const std::vector<int> ours = moving_chain(model), theirs = moving_chain(meshed);
+  if (ours.size() != theirs.size() || ours.size() < 3) return;
+  const auto known = [&](int link) {
+    return std::find(names.begin(), names.end(), model.links[static_cast<std::size_t>(link)].name) !=
+           names.end();
+  };
+  if (std::all_of(ours.begin() + 1, ours.end(), known)) return;
+  const std::vector<Pose> our_poses = posed(model, model.joint_names(), {}),
+                          their_poses = posed(meshed, meshed.joint_names(), {});
+  const auto place = [](const std::vector<Pose>& poses, const std::vector<int>& chain, std::size_t i) {
+    return inverse(poses[static_cast<std::size_t>(chain[0])]) * poses[static_cast<std::size_t>(chain[i])];
+  };
+  const double reach = model.provenance.reach_m.value_or(1);
+  for (std::size_t i = 1; i < ours.size(); ++i) {
+    const Pose off = inverse(place(our_poses, ours, i)) * place(their_poses, theirs, i);
+    if (norm(off.position) > kSame * reach || angle_between(off.rotation, {}) > kSameTurn) return;
+  }
+  for (std::size_t i = 0; i < ours.size(); ++i)
+    names[static_cast<std::size_t>(theirs[i])] = model.links[static_cast<std::size_t>(ours[i])].name;
+}
+
+}  // namespace
+
 MeshedRobot meshes_of(const RobotModel& model, const RobotModel& meshed, double most_off) {
   std::map<std::string, double> home;
   const std::vector<double> start = model.start();
   for (std::size_t i = 0; i < start.size(); ++i) home[model.joint_names()[i]] = start[i];
-  MeshedRobot out{{}, posed(model, home), model.provenance.reach_m.value_or(1)};
-  const std::vector<Pose> theirs = posed(meshed, home);
+  const std::vector<std::string> joints = model.joint_names(), links = link_names(model);
+  MeshedRobot out{{}, posed(model, joints, home), model.provenance.reach_m.value_or(1)};
+  const std::vector<std::string> their_joints = meshed.joint_names(), their_links = link_names(meshed);
+  const std::vector<Pose> theirs =
+      posed(meshed, without(prefix_of(their_joints, joints), their_joints), home);
+  std::vector<std::string> names = without(prefix_of(their_links, links), their_links);
+  name_by_order(model, meshed, names);
+  if (has_same_joints(model, out, names, theirs)) most_off *= kSameJoints;
   const std::vector<int> carrier = carriers(model);
   for (std::size_t i = 0; i < meshed.links.size(); ++i) {
     int known = static_cast<int>(i);
-    while (known >= 0 && model.find_link(meshed.links[static_cast<std::size_t>(known)].name) < 0) {
+    while (known >= 0 && model.find_link(names[static_cast<std::size_t>(known)]) < 0) {
       const int joint = meshed.links[static_cast<std::size_t>(known)].parent_joint;
       const bool fixed = joint >= 0 && !meshed.joints[static_cast<std::size_t>(joint)].moves();
       known = fixed ? meshed.joints[static_cast<std::size_t>(joint)].parent_link : -1;
     }
     if (known < 0) continue;
-    const int link = model.find_link(meshed.links[static_cast<std::size_t>(known)].name),
+    const int link = model.find_link(names[static_cast<std::size_t>(known)]),
               body = carrier[static_cast<std::size_t>(link)];
     if (body < 0) continue;
     meshes::Mesh whole = mesh_of(meshed.links[i].visuals);
     if (whole.empty()) whole = mesh_of(meshed.links[i].collisions);
+    if (whole.empty()) continue;
     if (known == static_cast<int>(i))
       check_size(model.links[static_cast<std::size_t>(link)], whole, most_off * out.reach);
     Shape at_body;
