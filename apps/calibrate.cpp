@@ -8,12 +8,14 @@
 #include "apps/calibrate_kinds.hpp"
 #include "apps/calibrate_read.hpp"
 #include "apps/calibrate_record.hpp"
-#include "apps/cell_edit.hpp"
 #include "apps/client.hpp"
 #include "apps/options.hpp"
 #include "polyarm/base/file.hpp"
 #include "polyarm/base/text.hpp"
 #include "polyarm/data/set_edit.hpp"
+#include "polyarm/description/tools.hpp"
+#include "polyarm/io/cell_edit.hpp"
+#include "polyarm/setup/cell_file.hpp"
 
 namespace polyarm::apps {
 
@@ -82,6 +84,20 @@ void print(const Calibrated& found, bool json) {
   if (!found.next.empty()) fmt::print("{}\n", found.next);
 }
 
+/// What the hand carries besides the tool that the cell has for the robot.
+calibration::Payload besides_tool(const calibration::Payload& all, const std::string& cell,
+                                  const std::string& robot) {
+  const cell::CellFile file = cell::read_cell_file(cell);
+  for (const cell::RobotEntry& entry : file.robots) {
+    if (entry.name != robot) continue;
+    const description::Tool tool = description::find_tool(entry.tool, file.folder.string());
+    if (tool.mass > 0)
+      fmt::print(stderr, "the {:.3f} kg of the tool {} are not included\n", tool.mass, entry.tool);
+    return calibration::without_part(all, {tool.mass, tool.center}, "the tool '" + entry.tool + "'");
+  }
+  return all;  // set_robot_key() says that there is no such robot
+}
+
 /// Stores the result in a data file, or in the file of an arm. The former content can be taken back.
 void store(const Calibrated& found, const Arguments& a) {
   if (found.residuals.outlier && !a.yes)
@@ -96,13 +112,14 @@ void store(const Calibrated& found, const Arguments& a) {
                     [&](const std::string&) { return description::arm_calibration_text(*found.arm); });
     fmt::print(stderr, "{} is written; a robot uses it with the key `calibration`\n", a.into);
     if (a.cell.empty()) return;
-    const fs::path folder = fs::absolute(cell_file_of(a.cell)).parent_path();
-    set_robot_key(a.cell, robot, "calibration", fs::absolute(a.into).lexically_relative(folder).string());
+    const fs::path folder = fs::absolute(cell::cell_file_of(a.cell)).parent_path();
+    cell::set_robot_key(a.cell, robot, "calibration",
+                        fs::absolute(a.into).lexically_relative(folder).string());
     fmt::print(stderr, "{} uses it now; --undo --cell takes the key back\n", robot);
     return;
   }
-  if (!found.payload.empty() && !a.cell.empty()) {
-    set_robot_key(a.cell, robot, "payload", found.payload);
+  if (found.payload && !a.cell.empty()) {
+    cell::set_robot_key(a.cell, robot, "payload", payload_text(besides_tool(*found.payload, a.cell, robot)));
     fmt::print(stderr, "it is the payload of {} now; --undo --cell takes it back\n", robot);
     return;
   }
@@ -117,7 +134,12 @@ void store(const Calibrated& found, const Arguments& a) {
 int undo(const Arguments& a) {
   if (a.into.empty() == a.cell.empty())
     throw WrongUse("bad-usage", "--undo needs the file that was changed", "--into FILE or --cell FOLDER");
-  const std::string file = a.cell.empty() ? a.into : cell_file_of(a.cell).string();
+  if (!a.cell.empty()) {
+    const std::string taken_back = cell::undo_robot_key(a.cell);
+    fmt::print("taken back in {}: {}\n", cell::cell_file_of(a.cell).string(), taken_back);
+    return kOk;
+  }
+  const std::string& file = a.into;
   data::require_history(file, 1);
   const std::string what = data::history(file).back().what;
   data::undo(file, 1);

@@ -7,7 +7,6 @@
 #include "apps/verb.hpp"
 #include "polyarm/calibration/arm_errors.hpp"
 #include "polyarm/calibration/hand_eye.hpp"
-#include "polyarm/calibration/payload.hpp"
 #include "polyarm/calibration/touch.hpp"
 #include "polyarm/data/point_in.hpp"
 
@@ -227,9 +226,9 @@ Calibrated payload(const Samples& samples, const CalibrateOptions& options) {
                     "{:.5f} kg m², uncertainty {:.5f}",
                     i[0], i[1], i[2], i[3], i[4], i[5], found.inertia_sigma));
   }
-  out.payload =
-      fmt::format("{{mass: {:.3f}kg, center: [{:.4f}, {:.4f}, {:.4f}]}}", found.mass, c.x, c.y, c.z);
-  out.lines.push_back("in cell.yaml: payload: " + out.payload);
+  out.residuals.outlier = found.outlier;
+  out.payload = found;
+  out.lines.push_back("in cell.yaml, of a robot without a tool: payload: " + payload_text(found));
   return out;
 }
 
@@ -269,6 +268,11 @@ Calibrated against(const std::vector<Pose>& all, bool rotations) {
   return out;
 }
 }  // namespace
+
+std::string payload_text(const calibration::Payload& payload) {
+  const Vec3& c = payload.center;
+  return fmt::format("{{mass: {:.3f}kg, center: [{:.4f}, {:.4f}, {:.4f}]}}", payload.mass, c.x, c.y, c.z);
+}
 
 Calibrated calibrate(const std::vector<Sample>& samples, const CalibrateOptions& options) {
   if (samples.empty())

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "polyarm/calibration/estimate.hpp"
+#include "polyarm/calibration/payload.hpp"
 #include "polyarm/calibration/samples.hpp"
 #include "polyarm/data/value.hpp"
 #include "polyarm/description/arm_calibration.hpp"
@@ -30,12 +31,14 @@ struct Calibrated {
   bool rotations = false;                          ///< the residuals have rotations
   std::optional<data::Point> point;                ///< what a data file stores
   std::optional<description::ArmCalibration> arm;  ///< what the file of an arm stores
-  std::string payload;                             ///< the value of the key `payload` of a robot
+  std::optional<calibration::Payload> payload;     ///< all that the hand carries
   std::string next;                                ///< the next sample that helps most; may be empty
 };
 
 /// Throws Error if the samples do not determine the result.
 Calibrated calibrate(const std::vector<calibration::Sample>& samples, const CalibrateOptions& options);
+/// The value of the key `payload` of a robot.
+std::string payload_text(const calibration::Payload& payload);
 /// The residuals of samples against a stored result, without fitting it.
 Calibrated check_calibration(const std::vector<calibration::Sample>& samples, const Pose& stored,
                              const CalibrateOptions& options);

@@ -1,5 +1,5 @@
 // What the wizards have recorded belongs to one robot of one cell.
-import { expect, it, vi } from 'vitest';
+import { describe, expect, it, vi } from 'vitest';
 
 vi.stubGlobal('navigator', { language: 'en', userAgent: '' });
 const { cell, robotName } = await import('../src/state/cell');
@@ -39,10 +39,27 @@ it('gives an answer that comes late to the robot that was asked', () => {
 
 it('lets every wizard write an answer of the cell through the robot that was asked', () => {
   const wizards = import.meta.glob('../src/pages/points/*Wizard.tsx', { query: '?raw', import: 'default', eager: true }) as Record<string, string>;
-  expect(Object.keys(wizards).length).toBe(3);
+  expect(Object.keys(wizards).length).toBe(5);
   for (const text of Object.values(wizards)) {
-    expect(text.match(/\.mine\(\)/g)?.length).toBe(2);
-    expect(text).not.toMatch(/(?:\.then\(.*|\[)(?:touches|toolPoses|sightings)\.value/);
+    expect(text.match(/(?:touches|toolPoses|sightings|weighings|armPoses)\.mine\(\)/g)?.length).toBe(2);
+    expect(text).not.toMatch(/(?:\.then\(.*|\[)(?:touches|toolPoses|sightings|weighings|armPoses)\.value/);
     expect(text).toMatch(/disabled=\{saving \|\|/);
   }
+});
+
+describe('what the wizards say of the poses', () => {
+  const down = [1, 0, 0, 0] as const, up = [0, 0, 0, 1] as const, half = Math.SQRT1_2;
+  it('names where the hand points', async () => {
+    const { fromDown, pointing } = await import('../src/pages/points/directions');
+    expect(fromDown([...down])).toBeCloseTo(0);
+    expect(fromDown([half, 0, 0, half])).toBeCloseTo(Math.PI / 2);
+    expect(pointing([...down])).toBe('the hand points down');
+    expect(pointing([...up])).toBe('the hand points up');
+    expect(pointing([0, half, 0, half])).toBe('the hand points 90° from down');
+  });
+  it('names the joints that have hardly moved', async () => {
+    const { hardlyMoved } = await import('../src/pages/points/directions');
+    expect(hardlyMoved([], 1)).toEqual([]);
+    expect(hardlyMoved([{ base: 0, elbow: -1 }, { base: 0.9, elbow: 0.5 }], 1)).toEqual(['base']);
+  });
 });

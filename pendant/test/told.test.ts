@@ -291,7 +291,7 @@ describe('what is said of programs and files', () => {
 
   it('has no sentence that nothing says any more', async () => {
     const {advices, sentences} = await import('../src/i18n/es/sentences');
-    const all = Object.values(import.meta.glob('../../polyarm/{language,program,base,operation,setup,tasks,inside,cell,hardware}/*.{cpp,hpp}', {query: '?raw', import: 'default', eager: true}) as Record<string, string>)
+    const all = Object.values(import.meta.glob('../../polyarm/{language,program,base,calibration,operation,setup,tasks,inside,requests,cell,hardware}/*.{cpp,hpp}', {query: '?raw', import: 'default', eager: true}) as Record<string, string>)
                     .map((text) => read(text.replace(/"\s+"/g, ''))).join('\n');
     const stale = [...sentences, ...advices].map(([english]) => english).filter(
         (english) => {

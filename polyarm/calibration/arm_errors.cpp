@@ -205,6 +205,7 @@ class ArmFit {
 struct Rank {
   Matrix inverse;                  ///< pseudo-inverse of the normal matrix
   std::vector<bool> identifiable;  ///< of each unknown
+  int directions = 0;              ///< of the unknowns that the samples determine
 };
 Rank rank_of(const Matrix& jacobian) {
   constexpr double kSmallest = 1e-5, kShare = 0.1;
@@ -212,23 +213,25 @@ Rank rank_of(const Matrix& jacobian) {
   for (double& each : scale) each = each > 1e-12 ? each : 1;
   const Matrix scaled = jacobian * scale.cwiseInverse().asDiagonal();
   const Eigen::SelfAdjointEigenSolver<Matrix> found(scaled.transpose() * scaled);
-  Rank out{Matrix::Zero(scale.size(), scale.size()), {}};
+  Rank out{Matrix::Zero(scale.size(), scale.size()), {}, 0};
   Vector free = Vector::Zero(scale.size());
   for (Eigen::Index k = 0; k < scale.size(); ++k) {
     const Vector direction = found.eigenvectors().col(k);
     const double size = found.eigenvalues()[k];
-    if (std::sqrt(std::max(0.0, size)) < kSmallest)
+    if (std::sqrt(std::max(0.0, size)) < kSmallest) {
       free += direction.cwiseAbs2();
-    else
+    } else {
       out.inverse += direction * direction.transpose() / size;
+      ++out.directions;
+    }
   }
   out.inverse = scale.cwiseInverse().asDiagonal() * out.inverse * scale.cwiseInverse().asDiagonal();
   for (const double share : free) out.identifiable.push_back(std::sqrt(share) < kShare);
   return out;
 }
 
-void require_samples(const RobotModel& model, std::span<const ArmSample> samples, const ArmFit& fit) {
-  const Eigen::Index unknowns = fit.poses() + fit.numbers();
+void require_samples(const RobotModel& model, std::span<const ArmSample> samples, const ArmFit& fit,
+                     Eigen::Index unknowns) {
   const Eigen::Index least = (unknowns + fit.rows_of_one() - 1) / fit.rows_of_one() + 1;
   if (static_cast<Eigen::Index>(samples.size()) < least)
     refuse(fmt::format("{} numbers need {} poses, here are {}", unknowns, least, samples.size()),
@@ -373,28 +376,65 @@ std::map<std::string, Pose> origins_for(const RobotModel& model, int tip, std::s
   return out;
 }
 
-ArmErrors arm_errors(const RobotModel& model, int tip, std::span<const ArmSample> samples,
-                     const ArmOptions& options) {
+namespace {
+ArmFit problem_of(const RobotModel& model, int tip, std::span<const ArmSample> samples,
+                  const ArmOptions& options) {
   const Screws arm = screws_of(model, tip);
   std::vector<std::string> names;
   for (const Screws::Axis& each : arm.axes)
     names.push_back(model.joints[static_cast<std::size_t>(model.actuated[each.joint])].name);
-  const ArmFit problem(arm, names, samples, options);
-  require_samples(model, samples, problem);
+  return {arm, names, samples, options};
+}
+
+/// The sample that the others contradict. `state` and `fit`: those of all samples, with these weights.
+std::optional<Outlier> outlier_of(const RobotModel& model, int tip, std::span<const ArmSample> samples,
+                                  const ArmOptions& options, const ArmState& state, const Fit& fit,
+                                  double position, double rotation, double unknowns) {
+  const std::vector<ArmSample> all(samples.begin(), samples.end());
+  const Eigen::Index rows = options.positions_only ? 3 : 6;
+  std::vector<double> each;
+  for (Eigen::Index row = 0; row < fit.residual.size(); row += rows)
+    each.push_back(fit.residual.segment(row, rows).squaredNorm());
+  return find_outlier(each, static_cast<double>(rows), unknowns, [&](std::size_t k) -> std::optional<double> {
+    const std::vector<ArmSample> others = without(all, k);
+    const ArmFit rest = problem_of(model, tip, others, options);
+    ArmState near = state;
+    return solve(rest, near, true, position, rotation).cost();
+  });
+}
+}  // namespace
+
+Residuals arm_residuals(const RobotModel& model, int tip, std::span<const ArmSample> samples,
+                        const ArmOptions& options) {
+  const ArmFit problem = problem_of(model, tip, samples, options);
+  require_samples(model, samples, problem, problem.poses());
+  ArmState state = problem.start();
+  solve(problem, state, false, 1e-3, 1e-3);
+  return problem.residuals(state);
+}
+
+ArmErrors arm_errors(const RobotModel& model, int tip, std::span<const ArmSample> samples,
+                     const ArmOptions& options) {
+  const ArmFit problem = problem_of(model, tip, samples, options);
+  require_samples(model, samples, problem, problem.poses() + problem.numbers());
   double position = 1e-3, rotation = 1e-3;
   ArmState state = problem.start();
   solve(problem, state, false, position, rotation);
   ArmErrors out;
   out.before = problem.residuals(state);
   Fit fit;
+  double weight = position;
   for (int round = 0; round < 3; ++round) {
-    fit = solve(problem, state, true, position, rotation);
+    weight = position;
+    fit = solve(problem, state, true, weight, rotation);
     const Residuals now = problem.residuals(state);
     if (!options.positions_only && now.rms.position > 1e-12 && now.rms.rotation > 1e-12)
       position = rotation * std::clamp(now.rms.position / now.rms.rotation, 0.02, 20.0);
   }
   out.after = problem.residuals(state);
   const Rank rank = rank_of(fit.jacobian);
+  out.after.outlier = outlier_of(model, tip, samples, options, state, fit, weight, rotation,
+                                 static_cast<double>(rank.directions));
   const Matrix covariance = variance_of(fit) * rank.inverse;
   for (Eigen::Index k = 0; k < problem.numbers(); ++k) {
     const Eigen::Index at = problem.poses() + k;

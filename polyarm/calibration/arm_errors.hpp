@@ -48,6 +48,11 @@ struct ArmErrors {
 ArmErrors arm_errors(const description::RobotModel& model, int tip, std::span<const ArmSample> samples,
                      const ArmOptions& options);
 
+/// The residuals of the arm as `model` has it: only the base and the target are fitted, which takes fewer
+/// samples. To check a calibration that the model contains. Throws as arm_errors() does.
+Residuals arm_residuals(const description::RobotModel& model, int tip, std::span<const ArmSample> samples,
+                        const ArmOptions& options);
+
 /// A joint axis at zero joint values, in the frame of the root link.
 struct AxisLine {
   Vec3 direction, point;

@@ -4,6 +4,7 @@
 
 #include <numeric>
 
+#include "polyarm/base/error.hpp"
 #include "polyarm/calibration/fit.hpp"
 #include "polyarm/kinematics/chain.hpp"
 #include "polyarm/kinematics/dynamics.hpp"
@@ -109,7 +110,16 @@ void add_residuals(Payload& out, const Vector& residual, Eigen::Index rows_of_on
 }
 }  // namespace
 
-Payload payload_from_wrenches(std::span<const WrenchSample> samples, const PayloadOptions& options) {
+namespace {
+/// A linear problem of wrenches, and the weight of its torques against its forces.
+struct WrenchFit {
+  Solved found;
+  double weight = 10;        ///< torques of wrist sensors are about ten times as exact as forces
+  std::vector<double> each;  ///< weighted squares of the residuals, by sample
+};
+
+WrenchFit fit_wrenches(std::span<const WrenchSample> samples, const PayloadOptions& options,
+                       std::optional<double> fixed_weight = {}) {
   const Eigen::Index body = options.inertia ? 10 : 4, all = body + (options.offsets ? 6 : 0);
   const auto n = static_cast<Eigen::Index>(samples.size());
   Matrix left = Matrix::Zero(6 * n, all);
@@ -124,33 +134,71 @@ Payload payload_from_wrenches(std::span<const WrenchSample> samples, const Paylo
     right.segment<3>(6 * i) = eigen(each.force);
     right.segment<3>(6 * i + 3) = eigen(each.torque);
   }
-  // Torques of wrist sensors are about ten times as exact as forces; the residuals then say how exact.
-  double weight = 10;
-  Solved found;
-  for (int round = 0; round < 3; ++round) {
+  WrenchFit out;
+  if (fixed_weight) out.weight = *fixed_weight;
+  // The residuals say how exact torques are against forces.
+  for (int round = 0; round < (fixed_weight ? 1 : 3); ++round) {
     Vector rows = Vector::Ones(6 * n);
-    for (Eigen::Index i = 0; i < n; ++i) rows.segment<3>(6 * i + 3).setConstant(weight);
-    found = solved(rows.asDiagonal() * left, rows.cwiseProduct(right), body, options.inertia);
-    const Vector off = left * found.values - right;
+    for (Eigen::Index i = 0; i < n; ++i) rows.segment<3>(6 * i + 3).setConstant(out.weight);
+    out.found = solved(rows.asDiagonal() * left, rows.cwiseProduct(right), body, options.inertia);
+    const Vector off = left * out.found.values - right;
     double force = 0, torque = 0;
+    out.each.clear();
     for (Eigen::Index i = 0; i < n; ++i) {
-      force += off.segment<3>(6 * i).squaredNorm();
-      torque += off.segment<3>(6 * i + 3).squaredNorm();
+      const double f = off.segment<3>(6 * i).squaredNorm(), t = off.segment<3>(6 * i + 3).squaredNorm();
+      out.each.push_back(f + out.weight * out.weight * t);
+      force += f;
+      torque += t;
     }
-    if (n >= 6) weight = std::clamp(std::sqrt(std::max(force, 1e-20) / std::max(torque, 1e-20)), 1.0, 100.0);
-    found.residual = off;
+    if (n >= 6 && !fixed_weight)
+      out.weight = std::clamp(std::sqrt(std::max(force, 1e-20) / std::max(torque, 1e-20)), 1.0, 100.0);
+    out.found.residual = off;
   }
-  Payload out = payload_of(found, options.inertia);
-  if (options.offsets) {
-    out.force_offset = vec3(found.values.segment<3>(body));
-    out.torque_offset = vec3(found.values.segment<3>(body + 3));
-  }
-  add_residuals(out, found.residual, 6, 3);
   return out;
 }
 
-Payload payload_from_torques(const description::RobotModel& model, int tip,
-                             std::span<const TorqueSample> samples, const PayloadOptions& options) {
+/// The cost of a fit, or nothing if the samples do not determine it.
+template <typename CostOf>
+std::optional<double> cost_if_determined(const CostOf& cost_of) {
+  try {
+    return cost_of();
+  } catch (const Error&) {
+    return std::nullopt;
+  }
+}
+
+double sum(const std::vector<double>& values) {
+  return std::accumulate(values.begin(), values.end(), 0.0);
+}
+
+std::vector<double> norms_about_mean(const std::vector<Vec3>& off) {
+  Vec3 mean;
+  for (const Vec3& each : off) mean = mean + (1.0 / static_cast<double>(off.size())) * each;
+  std::vector<double> out;
+  for (const Vec3& each : off) out.push_back(norm(each - mean));
+  return out;
+}
+}  // namespace
+
+Payload payload_from_wrenches(std::span<const WrenchSample> samples, const PayloadOptions& options) {
+  const Eigen::Index body = options.inertia ? 10 : 4;
+  const WrenchFit fit = fit_wrenches(samples, options);
+  Payload out = payload_of(fit.found, options.inertia);
+  if (options.offsets) {
+    out.force_offset = vec3(fit.found.values.segment<3>(body));
+    out.torque_offset = vec3(fit.found.values.segment<3>(body + 3));
+  }
+  add_residuals(out, fit.found.residual, 6, 3);
+  const std::vector<WrenchSample> all(samples.begin(), samples.end());
+  out.outlier = find_outlier(fit.each, 6, static_cast<double>(fit.found.values.size()), [&](std::size_t k) {
+    return cost_if_determined([&] { return sum(fit_wrenches(without(all, k), options, fit.weight).each); });
+  });
+  return out;
+}
+
+namespace {
+Solved fit_torques(const description::RobotModel& model, int tip, std::span<const TorqueSample> samples,
+                   const PayloadOptions& options) {
   const kinematics::Chain chain(model, tip);
   const kinematics::Tree tree(model);
   kinematics::Dynamics dynamics(tree);
@@ -193,9 +241,80 @@ Payload payload_from_torques(const description::RobotModel& model, int tip,
     }
     row += rows;
   }
-  const Solved found = solved(left, right, body, options.inertia);
+  return solved(left, right, body, options.inertia);
+}
+
+/// The sums of squares of the residuals, by sample.
+std::vector<double> squares(const Vector& residual, Eigen::Index rows_of_one) {
+  std::vector<double> out;
+  for (Eigen::Index row = 0; row < residual.size(); row += rows_of_one)
+    out.push_back(residual.segment(row, rows_of_one).squaredNorm());
+  return out;
+}
+}  // namespace
+
+Payload payload_from_torques(const description::RobotModel& model, int tip,
+                             std::span<const TorqueSample> samples, const PayloadOptions& options) {
+  const Solved found = fit_torques(model, tip, samples, options);
+  const Eigen::Index rows = found.residual.size() / static_cast<Eigen::Index>(samples.size());
   Payload out = payload_of(found, options.inertia);
   add_residuals(out, found.residual, rows, rows);
+  const std::vector<TorqueSample> all(samples.begin(), samples.end());
+  out.outlier =
+      find_outlier(squares(found.residual, rows), static_cast<double>(rows),
+                   static_cast<double>(found.values.size()), [&](std::size_t k) {
+                     return cost_if_determined([&] {
+                       return fit_torques(model, tip, without(all, k), options).residual.squaredNorm();
+                     });
+                   });
+  return out;
+}
+
+Payload without_part(Payload total, const KnownLoad& part, const std::string& name) {
+  const double mass = total.mass - part.mass;
+  if (part.mass == 0) return total;
+  if (mass < std::max(0.01, 3 * total.mass_sigma))
+    refuse(fmt::format("the hand carries {:.3f} kg with an uncertainty of {:.3f} kg, and {} has {:.3f} kg of "
+                       "that: nothing is left for a payload",
+                       total.mass, total.mass_sigma, name, part.mass),
+           mass < -3 * total.mass_sigma ? "correct the mass of the tool" : "let the hand carry its load");
+  total.center = (1 / mass) * (total.mass * total.center - part.mass * part.center);
+  total.center_sigma *= total.mass / mass;
+  total.mass = mass;
+  return total;
+}
+
+std::vector<double> load_residuals(std::span<const WrenchSample> samples, const KnownLoad& load) {
+  if (samples.size() < 2)
+    refuse(fmt::format("the zero of the sensor is unknown: two poses or more are needed, here are {}",
+                       samples.size()),
+           "measure with the hand pointing in another direction, too");
+  std::vector<Vec3> off;
+  for (const WrenchSample& each : samples)
+    off.push_back(each.force - inverse(each.rotation) * Vec3{0, 0, -load.mass * kGravity});
+  return norms_about_mean(off);
+}
+
+std::vector<double> load_residuals(const description::RobotModel& model, int tip,
+                                   std::span<const TorqueSample> samples, const KnownLoad& load) {
+  description::RobotModel loaded = model;
+  description::Link& hand = loaded.links[static_cast<std::size_t>(tip)];
+  const description::Inertial own = hand.inertial.value_or(description::Inertial{});
+  const double mass = own.mass + load.mass;
+  hand.inertial = own;
+  hand.inertial->mass = mass;
+  if (mass > 0) hand.inertial->center = (1 / mass) * (own.mass * own.center + load.mass * load.center);
+  const kinematics::Tree tree(loaded);
+  kinematics::Dynamics dynamics(tree);
+  std::vector<double> out;
+  for (const TorqueSample& each : samples) {
+    std::vector<double> needed(each.q.size());
+    dynamics.inverse(each.q, each.v, each.a, needed);
+    double square = 0;
+    for (std::size_t j = 0; j < needed.size(); ++j)
+      square += (each.tau[j] - needed[j]) * (each.tau[j] - needed[j]);
+    out.push_back(std::sqrt(square));
+  }
   return out;
 }
 

@@ -2,7 +2,9 @@
 /// Mass, centre of mass and inertia of what the hand carries, from forces while the arm moves or rests in
 /// several poses. SI units. Any thread; no hidden state.
 #include <array>
+#include <optional>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "polyarm/calibration/estimate.hpp"
@@ -40,6 +42,7 @@ struct Payload {
   Vec3 force_offset, torque_offset;  ///< of the sensor's zero
   std::vector<double> residuals;     ///< of each sample: N (wrench) or N m (torques)
   double rms = 0;
+  std::optional<Outlier> outlier;
 };
 
 /// Linear least squares. Throws Error("bad-points") if the samples do not determine the payload: too few, too
@@ -49,5 +52,21 @@ Payload payload_from_wrenches(std::span<const WrenchSample> samples, const Paylo
 /// payload. The masses of the arm must be right: their errors count as payload.
 Payload payload_from_torques(const description::RobotModel& model, int tip,
                              std::span<const TorqueSample> samples, const PayloadOptions& options = {});
+
+/// A load without an inertia of its own.
+struct KnownLoad {
+  double mass = 0;  ///< kg
+  Vec3 center;      ///< in the sensor's or the tip's frame, m
+};
+/// What the measured total is without a part of it, for example the tool. Throws Error("bad-points") if less
+/// is left than three times the uncertainty of the mass.
+Payload without_part(Payload total, const KnownLoad& part, const std::string& name);
+
+/// How far each sample is from what a known load gives, at rest: N. The sensor's zero is unknown and taken as
+/// the mean difference, so two samples or more are needed; throws Error("bad-points") if there are fewer.
+std::vector<double> load_residuals(std::span<const WrenchSample> samples, const KnownLoad& load);
+/// The same of joint torques: N m.
+std::vector<double> load_residuals(const description::RobotModel& model, int tip,
+                                   std::span<const TorqueSample> samples, const KnownLoad& load);
 
 }  // namespace polyarm::calibration

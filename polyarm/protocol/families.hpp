@@ -8,7 +8,7 @@ namespace polyarm::protocol {
 
 using Family = const std::vector<const RequestType*>&();
 Family help_requests, controller_requests, motion_requests, tag_requests, hardware_requests, message_requests,
-    jog_requests, program_requests, point_requests, project_requests, session_requests;
+    jog_requests, program_requests, point_requests, calibration_requests, project_requests, session_requests;
 
 struct FamilyOfRequests {
   const char* title;  ///< heading in the reference
@@ -25,6 +25,7 @@ inline constexpr FamilyOfRequests kFamilies[] = {
     {"Jog and move", jog_requests},
     {"Programs and events", program_requests},
     {"Points and variables", point_requests},
+    {"Calibration", calibration_requests},
     {"Files, cells and recordings", project_requests},
     {"Clients of the pendant's port", session_requests},
 };

@@ -1,4 +1,5 @@
-/// The list of requests: jog, programs, points, projects, and the session.
+/// The list of requests: jog, programs, points, calibration, projects, and the session.
+#include "polyarm/protocol/calibration.hpp"
 #include "polyarm/protocol/describe.hpp"
 #include "polyarm/protocol/families.hpp"
 #include "polyarm/protocol/jog.hpp"
@@ -20,6 +21,7 @@ POLYARM_REQUESTS(program_requests, WatchEvents, ProgramLoad, ProgramStart, Progr
 POLYARM_REQUESTS(point_requests, PointsList, PointsHere, PointsTeach, PointsSet, PointsShift, PointsGroup,
                  PointsRename, PointsDelete, PointsOutside, PointsTake, PointsHistory, PointsUndo,
                  PointsFrame, PointsTool, PointsSighting, PointsCamera, PlanPreview)
+POLYARM_REQUESTS(calibration_requests, CalibrateSample, CalibrateJoints, CalibratePayload, CalibrateUndo)
 POLYARM_REQUESTS(project_requests, FilesList, FilesRead, FilesDraft, FilesWrite, FilesVersions, FilesVersion,
                  FilesDelete, FilesRename, SceneUpload, SceneAdd, LanguageWords, ProgramCheck, ProgramSteps,
                  ProgramNames, CellRestart, ProgramDry, CellCheck, CellReach, CellsList, CellSaveAs, CellNew,

@@ -23,6 +23,7 @@ std::vector<Handler> program_handlers();
 std::vector<Handler> record_handlers();
 std::vector<Handler> point_handlers();
 std::vector<Handler> frame_handlers();
+std::vector<Handler> calibration_handlers();
 std::vector<Handler> preview_handlers();
 std::vector<Handler> file_handlers();
 std::vector<Handler> scene_handlers();

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "polyarm/base/error.hpp"
+#include "polyarm/tasks/force_states.hpp"
 
 namespace polyarm::cell {
 
@@ -31,6 +32,24 @@ const CellRobot* ForceReadings::find_robot(const std::string& name) const {
   return at == setup_.robots.end() ? nullptr : at->get();
 }
 
+std::optional<ForceStates> force_states(const Machine& machine, const std::string& robot) {
+  const std::string_view first = kAxes.front();
+  for (const std::string& name : machine.table().state_names()) {
+    if (!name.starts_with(robot + "/") || !name.ends_with("/" + std::string(first))) continue;
+    const std::string sensor = name.substr(0, name.size() - first.size());
+    ForceStates out;
+    out.sensor = sensor.substr(robot.size() + 1, sensor.size() - robot.size() - 2);
+    bool all = true;
+    for (std::size_t i = 0; i < kAxes.size(); ++i) {
+      const auto state = machine.table().find_state(sensor + kAxes[i]);
+      all = all && state;
+      if (state) out.states[i] = *state;
+    }
+    if (all) return out;
+  }
+  return std::nullopt;
+}
+
 /// The sensor by the states of the hardware.
 std::optional<ForceReadings::Sensor> ForceReadings::find_sensor(const std::string& robot) const {
   Sensor out;
@@ -39,18 +58,10 @@ std::optional<ForceReadings::Sensor> ForceReadings::find_sensor(const std::strin
     return errors.noise > 0 || errors.torque_noise > 0;
   };
   out.noisy = setup_.options.real || (entry && noise(entry->entry.sensor_errors));
-  for (const std::string& name : machine_.table().state_names()) {
-    if (!name.starts_with(robot + "/") || !name.ends_with("/force.x")) continue;
-    const std::string sensor = name.substr(0, name.size() - std::string_view(kAxes.front()).size());
-    bool all = true;
-    for (std::size_t i = 0; i < kAxes.size(); ++i) {
-      const auto state = machine_.table().find_state(sensor + kAxes[i]);
-      all = all && state;
-      if (state) out.states[i] = *state;
-    }
-    if (all) return out;
-  }
-  return std::nullopt;
+  const std::optional<ForceStates> found = force_states(machine_, robot);
+  if (!found) return std::nullopt;
+  out.states = found->states;
+  return out;
 }
 
 ForceReadings::Sensor& ForceReadings::sensor_of(const std::string& robot) {

@@ -81,6 +81,26 @@ TEST(JointOffsets, AreFoundAndThoseThatNothingShowsAreNamed) {
   }
 }
 
+TEST(JointOffsets, TheSampleThatContradictsTheOthersIsNamed) {
+  Noise noise(8);
+  const description::RobotModel model = robot("universal_robots/ur5e"), real = with_offsets(model, kOffsets);
+  Measured at = measured(noise, real, 30, 1e-4, 2e-4);
+  EXPECT_FALSE(arm_errors(model, model.tool_link(), at.samples, {}).after.outlier);
+  at.samples[17].measured.position = at.samples[17].measured.position + Vec3{0, 0, 5e-3};
+  const ArmErrors found = arm_errors(model, model.tool_link(), at.samples, {});
+  ASSERT_TRUE(found.after.outlier);
+  EXPECT_EQ(found.after.outlier->sample, 17u);
+}
+
+TEST(JointOffsets, AreCheckedWithFewSamples) {
+  Noise noise(9);
+  const description::RobotModel model = robot("universal_robots/ur5e"), real = with_offsets(model, kOffsets);
+  const Measured at = measured(noise, real, 4, 1e-5, 2e-5);
+  EXPECT_LT(arm_residuals(real, real.tool_link(), at.samples, {}).rms.position, 1e-4);
+  EXPECT_GT(arm_residuals(model, model.tool_link(), at.samples, {}).rms.position, 1e-3);
+  EXPECT_THROW(arm_residuals(model, model.tool_link(), std::span(at.samples).first(1), {}), Error);
+}
+
 TEST(JointOffsets, ComeFromPositionsAlone) {
   Noise noise(2);
   const description::RobotModel model = robot("universal_robots/ur5e"), real = with_offsets(model, kOffsets);

@@ -97,6 +97,50 @@ TEST(WristForce, RefusesAHandThatDoesNotTurn) {
   EXPECT_THROW(payload_from_wrenches(resting(noise, 30, 0.2, 0.02), {.inertia = true}), Error);
 }
 
+TEST(WristForce, NamesTheSampleThatContradictsTheOthers) {
+  Noise noise(6);
+  std::vector<WrenchSample> samples = resting(noise, 12, 0.05, 0.005);
+  EXPECT_FALSE(payload_from_wrenches(samples).outlier);
+  samples[5].force = samples[5].force + Vec3{0, 4, 0};
+  const Payload found = payload_from_wrenches(samples);
+  ASSERT_TRUE(found.outlier);
+  EXPECT_EQ(found.outlier->sample, 5u);
+}
+
+TEST(WristForce, TheToolIsNoPartOfThePayload) {
+  Payload total;
+  total.mass = 3;
+  total.mass_sigma = 0.01;
+  total.center = {0, 0, 0.15};
+  const Payload rest = without_part(total, {1, {0, 0, 0.05}}, "the tool");
+  EXPECT_NEAR(rest.mass, 2, 1e-12);
+  EXPECT_NEAR(rest.center.z, 0.2, 1e-12);
+  EXPECT_THROW(without_part(total, {2.99, {}}, "the tool"), Error);
+  EXPECT_THROW(without_part(total, {4, {}}, "the tool"), Error);
+}
+
+TEST(KnownLoads, AreComparedWithWhatIsMeasured) {
+  Noise noise(7);
+  const std::vector<WrenchSample> samples = resting(noise, 6, 0.01, 0.001);
+  for (const double each : load_residuals(samples, {kMass, kCenter})) EXPECT_LT(each, 0.05);
+  double most = 0;
+  for (const double each : load_residuals(samples, {kMass + 1, kCenter})) most = std::max(most, each);
+  EXPECT_GT(most, 5);
+  EXPECT_THROW(load_residuals(std::span(samples).first(1), {kMass, kCenter}), Error);
+
+  const auto model = description::Catalogue({POLYARM_SOURCE_DIR "/robots"}).load("universal_robots/ur5e");
+  description::RobotModel loaded = model;
+  const int tip = model.tool_link();
+  loaded.links[static_cast<std::size_t>(tip)].inertial = description::Inertial{kMass, kCenter, {}, false};
+  const kinematics::Tree tree(loaded);
+  kinematics::Dynamics dynamics(tree);
+  TorqueSample one{
+      {0.1, -1, 1, 0.2, 0.3, 0.4}, std::vector<double>(6), std::vector<double>(6), std::vector<double>(6)};
+  dynamics.inverse(one.q, one.v, one.a, one.tau);
+  EXPECT_LT(load_residuals(model, tip, std::span(&one, 1), {kMass, kCenter}).front(), 1e-9);
+  EXPECT_GT(load_residuals(model, tip, std::span(&one, 1), {0, {}}).front(), 5);
+}
+
 TEST(JointTorques, GiveThePayload) {
   Noise noise(5);
   const auto model = description::Catalogue({POLYARM_SOURCE_DIR "/robots"}).load("universal_robots/ur5e");

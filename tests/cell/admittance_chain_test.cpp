@@ -36,7 +36,7 @@ constexpr const char* kRobot = R"(<robot name="gantry">
     </sensor>
   </ros2_control></robot>)";
 
-constexpr const char* kControllers = R"(controller_manager:
+constexpr const char* kAdmittanceControllers = R"(controller_manager:
   ros__parameters:
     update_rate: 500
     admittance: {type: admittance_controller/AdmittanceController}
@@ -68,7 +68,7 @@ admittance:
 TEST(AdmittanceInACell, AddsItsOffsetToTheMovesOfAProgram) {
   const Folder folder;
   folder.write("gantry.urdf", kRobot);
-  folder.write("controllers.yaml", kControllers);
+  folder.write("controllers.yaml", kAdmittanceControllers);
   folder.write("there.points", "JS: x z\nName: There\nPoint: 0.3, -0.2\n");
   folder.write("go.script", "movej There, exact\nwait 2s\n");
   folder.write("job.data", "Name: PointFile\nText: there\nName: ScriptFile\nText: go\n");

@@ -11,7 +11,7 @@
 namespace polyarm {
 namespace {
 
-const std::string kControllers = R"(
+const std::string kPolledControllers = R"(
 controller_manager:
   ros__parameters:
     follow: {type: joint_trajectory_controller/JointTrajectoryController}
@@ -22,7 +22,7 @@ follow: {ros__parameters: {joints: [joint_1, joint_2, joint_3, joint_4, joint_5,
 
 TEST(Polling, NeitherLocksNorAllocatesNorWaitsInTheControlThread) {
   constexpr int kCycles = 100'000;
-  test::LockStepCell cell(kControllers, true);
+  test::LockStepCell cell(kPolledControllers, true);
   cell.tick();
   control::ControlLoop& loop = cell.cell().loop();
   const std::uint64_t before = loop.health().cycles;

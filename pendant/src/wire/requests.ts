@@ -22,6 +22,49 @@ export interface Bucket {
   count: number;
 }
 
+export interface CalibrateJointsAnswer {
+  joints: JointError[];
+  position_residuals: number[];
+  rotation_residuals: number[];
+  position_rms: number;
+  rotation_rms: number;
+  position_before: number;
+  rotation_before: number;
+  shift: number;
+  turn: number;
+  outlier?: number;
+  file?: string;
+}
+
+export interface CalibratePayloadAnswer {
+  mass: number;
+  mass_sigma: number;
+  center: [number, number, number];
+  center_sigma: number;
+  tool_mass: number;
+  unit: string;
+  residuals: number[];
+  rms: number;
+  outlier?: number;
+  file?: string;
+}
+
+export interface CalibrateSampleAnswer {
+  joints: Record<string, number>;
+  flange: PoseFacts;
+  measured?: PoseFacts;
+  age?: number;
+  force?: [number, number, number];
+  torque?: [number, number, number];
+  torques?: Record<string, number>;
+  noise?: number;
+}
+
+export interface CalibrateUndoAnswer {
+  key: string;
+  robot: string;
+}
+
 export interface CellCheckAnswer {
   problems: Finding[];
   points: number;
@@ -409,6 +452,13 @@ export interface JogEvent {
   why: string;
   text: string;
   which: string;
+}
+
+export interface JointError {
+  joint: string;
+  offset: number;
+  sigma: number;
+  identifiable: boolean;
 }
 
 export interface JustName {
@@ -1240,6 +1290,10 @@ export interface Requests {
   'points.sighting': { args: { marker: string; robot?: string }; answer: PointsSightingAnswer };
   'points.camera': { args: { name: string; sightings?: unknown; place?: 'hand' | 'beside'; robot?: string; file?: string; dry?: boolean }; answer: PointsCameraAnswer };
   'plan.preview': { args: { to?: string; joints?: Record<string, unknown>; pose?: Record<string, unknown>; kind?: 'joint' | 'line'; robot?: string; speed?: number }; answer: PlanPreviewAnswer };
+  'calibrate.sample': { args: { robot?: string; marker?: string; forces?: boolean }; answer: CalibrateSampleAnswer };
+  'calibrate.joints': { args: { samples: unknown; robot?: string; positions?: boolean; in_base?: boolean; of_flange?: boolean; check?: boolean; dry?: boolean }; answer: CalibrateJointsAnswer };
+  'calibrate.payload': { args: { samples: unknown; robot?: string; check?: boolean; dry?: boolean }; answer: CalibratePayloadAnswer };
+  'calibrate.undo': { args: {}; answer: CalibrateUndoAnswer };
   'files': { args: {}; answer: FilesListAnswer };
   'files.read': { args: { name: string }; answer: FilesReadAnswer };
   'files.draft': { args: { name: string; text?: string; base?: string; by?: string }; answer: FilesDraftAnswer };

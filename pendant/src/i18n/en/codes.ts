@@ -179,6 +179,8 @@ export const codes = {
   'told.unknown-name': 'The name is unknown',
   'told.unknown-point': 'The point is unknown',
   'told.not-a-point': 'This is not a point',
+  'told.no-force-reading': 'Nothing measures the forces of this robot',
+  'told.no-cell-file': 'This cell has no cell.yaml',
   'told.bad-points': 'These points do not fit together',
   'told.unknown-frame': 'The frame is unknown',
   'told.frame-cycle': 'The frames refer to each other in a circle',

@@ -1,4 +1,5 @@
 import {cell} from './cell';
+import {calibrate} from './calibrate';
 import {codes} from './codes';
 import {device} from './device';
 import {health} from './health';
@@ -19,6 +20,7 @@ export const en = {
   ...view,
   ...program,
   ...points,
+  ...calibrate,
   ...signals,
   ...plots,
   ...health,

@@ -177,6 +177,8 @@ export const codes: Record<keyof typeof en, string> = {
   'told.unknown-name': 'El nombre no se conoce',
   'told.unknown-point': 'El punto no se conoce',
   'told.not-a-point': 'Esto no es un punto',
+  'told.no-force-reading': 'Nada mide las fuerzas de este robot',
+  'told.no-cell-file': 'Esta celda no tiene cell.yaml',
   'told.bad-points': 'Estos puntos no encajan',
   'told.unknown-frame': 'El sistema de referencia no se conoce',
   'told.frame-cycle': 'Los sistemas de referencia se remiten en círculo',

@@ -1,5 +1,6 @@
 import type { en } from '../en';
 import { cell } from './cell';
+import { calibrate } from './calibrate';
 import {codes} from './codes';
 import { device } from './device';
 import { health } from './health';
@@ -20,6 +21,7 @@ export const es: Record<keyof typeof en, string> = {
   ...view,
   ...program,
   ...points,
+  ...calibrate,
   ...signals,
   ...plots,
   ...health,

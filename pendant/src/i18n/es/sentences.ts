@@ -254,10 +254,23 @@ export const sentences: readonly (readonly [english: string, spanish: string])[]
   ['{1} must be above 0, here is {2}', '{1} debe ser mayor que 0; aquí está {2}'],
   ['this time must be above 0, here is {1}', 'Este tiempo debe ser mayor que 0; aquí está {1}'],
   ['a time cannot be negative: {1}', 'Un tiempo no puede ser negativo: {1}'],
+  // calibration
+  ['the hand hardly changes its direction against gravity, so the payload cannot be told from the rest', 'La mano apenas cambia de dirección respecto a la gravedad, así que la carga no se distingue del resto'],
+  ['the mass comes out as {1} kg with an uncertainty of {2} kg', 'La masa resulta de {1} kg con una incertidumbre de {2} kg'],
+  ['the hand carries {1} kg with an uncertainty of {2} kg, and {3} has {4} kg of that: nothing is left for a payload', 'La mano lleva {1} kg con una incertidumbre de {2} kg, y {3} tiene {4} kg de ellos: no queda nada para una carga'],
+  ['the zero of the sensor is unknown: two poses or more are needed, here are {1}', 'El cero del sensor no se conoce: se necesitan dos poses o más; aquí hay {1}'],
+  ['{1} unknown numbers need more than {2} measured values', '{1} números desconocidos necesitan más de {2} valores medidos'],
+  ['{1} numbers need {2} poses, here are {3}', '{1} números necesitan {2} poses; aquí hay {3}'],
+  ['sample {1} contradicts the others; nothing was changed', 'La muestra {1} contradice a las demás; no se cambió nada'],
+  ["'{1}' has no force sensor, and its hardware gives no joint torques", '«{1}» no tiene sensor de fuerza, y sus equipos no dan pares de los ejes'],
+  ["all forces of '{1}' are exactly zero: nothing measures them", 'Todas las fuerzas de «{1}» son exactamente cero: nada las mide'],
 ];
 
 /** Advice to the sentences above. */
 export const advices: readonly (readonly [english: string, spanish: string])[] = [
+  ['measure with the hand pointing down, to the side, and turned by 90 degrees about its own axis', 'mida con la mano hacia abajo, hacia un lado y girada 90 grados alrededor de su propio eje'],
+  ['measure 30 or more poses all over the workspace', 'mida 30 poses o más por todo el espacio de trabajo'],
+  ['let the hand carry its load', 'la mano debe llevar su carga'],
   ['name the axis first', 'nombre primero el eje'],
   ['check that it is connected and that its parameters are right', 'compruebe que está conectado y que sus parámetros son correctos'],
   ['{1} takes duration, accel, touch, until, at, robot, tool, frame and payload', '{1} toma duration, accel, touch, until, at, robot, tool, frame y payload'],

@@ -2,11 +2,13 @@
 import { useState } from 'preact/hooks';
 import { number, t } from '../../i18n';
 import { findingWords } from '../../i18n/told';
-import { attempt, cell, complain, mayAdminister, request, status } from '../../state/cell';
+import { attempt, cell, complain, mayAdminister, mayProgram, request, robotName, status } from '../../state/cell';
+import { loadPoints, pointsKnown } from '../../state/points';
 import { Button, Card, Empty, Loading } from '../../ui/controls';
 import { Icon } from '../../ui/Icon';
 import type { Finding } from '../../wire/requests';
 import type { RobotInfo } from '../../wire/types';
+import { openWizard } from '../points/teaching';
 import { AddMesh } from './AddMesh';
 import { Mode } from './Mode';
 import { askReset, restarting } from './restart';
@@ -126,7 +128,24 @@ function Robot({ robot, onRobots }: { robot: RobotInfo; onRobots: () => void }) 
           <Button label={t('cell.another')} icon="repeat" disabled={!mayAdminister.value || restarting.value !== ''} onClick={onRobots} />
         </div>
       </div>
+      <Calibration name={robot.name} />
     </Card>
+  );
+}
+
+/** The wizards that change what cell.yaml says of a robot. */
+function Calibration({ name }: { name: string }) {
+  const start = (kind: 'payload' | 'joints') => {
+    robotName.value = name;
+    if (!pointsKnown.value) void loadPoints();
+    void openWizard(kind);
+  };
+  const off = !mayProgram.value || restarting.value !== '';
+  return (
+    <div class="row">
+      <Button label={t('calibrate.payload')} icon="down" disabled={off} onClick={() => start('payload')} />
+      <Button label={t('calibrate.joints')} icon="fit" disabled={off} onClick={() => start('joints')} />
+    </div>
   );
 }
 

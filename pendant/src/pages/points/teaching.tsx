@@ -10,6 +10,7 @@ import { cell, robot, robotName } from '../../state/cell';
 import { close, open } from '../../ui/ask';
 import { Button, Segmented } from '../../ui/controls';
 import { Icon } from '../../ui/Icon';
+import type { CalibrateSampleAnswer } from '../../wire/requests';
 import type { Pose, Vec3 } from '../../wire/types';
 import { ofRobot } from './samples';
 
@@ -21,6 +22,13 @@ export interface Sighting {
   marker: Pose;
 }
 export const sightings = ofRobot<Sighting[]>([]);
+/** Samples of calibrate.sample: what the hand weighs, and where a device sees it. */
+export const weighings = ofRobot<CalibrateSampleAnswer[]>([]);
+export interface ArmPose {
+  joints: Record<string, number>;
+  measured: Pose;
+}
+export const armPoses = ofRobot<ArmPose[]>([]);
 /** What a wizard says first: why nothing can be saved, and with several robots whose places it takes. */
 export function Whose() {
   const robots = cell.value?.robots ?? [];
@@ -35,14 +43,19 @@ export function Whose() {
 }
 
 /** The wizard that waits while the user moves the robot. */
-type Kind = 'frame' | 'tool' | 'camera';
+type Kind = 'frame' | 'tool' | 'camera' | 'payload' | 'joints';
 export const waiting = signal<Kind | null>(null);
 
-/** What each wizard is called, and how many places it needs. */
+/** What each wizard is called, how many places it needs and has, and the words for them. */
+const kTouched = { counted: 'points.countTouched', now: 'points.touchNow' } as const;
+const kSeen = { counted: 'points.countSeen', now: 'points.seeNow' } as const;
+const kMeasured = { counted: 'calibrate.count', now: 'points.seeNow' } as const;
 const kWizards = {
-  frame: { title: 'points.frame', icon: 'cube', least: 3 },
-  tool: { title: 'points.tool', icon: 'target', least: 4 },
-  camera: { title: 'points.camera', icon: 'eye', least: 3 },
+  frame: { title: 'points.frame', icon: 'cube', least: 3, count: () => touches.value.filter(Boolean).length, ...kTouched },
+  tool: { title: 'points.tool', icon: 'target', least: 4, count: () => toolPoses.value.length, ...kTouched },
+  camera: { title: 'points.camera', icon: 'eye', least: 3, count: () => sightings.value.length, ...kSeen },
+  payload: { title: 'calibrate.payload', icon: 'down', least: 6, count: () => weighings.value.length, ...kMeasured },
+  joints: { title: 'calibrate.joints', icon: 'fit', least: 30, count: () => armPoses.value.length, ...kMeasured },
 } as const;
 
 /** A button that leads to the Move page and keeps the wizard waiting. */
@@ -55,32 +68,31 @@ export function MoveButton({ kind }: { kind: Kind }) {
   return <Button label={t('points.moveThere')} icon="move" onClick={move} />;
 }
 
-async function goOn(kind: Kind): Promise<void> {
-  if (kind === 'frame') {
-    const { FrameWizard } = await import('./FrameWizard');
-    open((done) => <FrameWizard onClose={done} />);
-  } else if (kind === 'camera') {
-    const { CameraWizard } = await import('./CameraWizard');
-    open((done) => <CameraWizard onClose={done} />);
-  } else {
-    const { ToolWizard } = await import('./ToolWizard');
-    open((done) => <ToolWizard onClose={done} />);
-  }
+const kLoads = {
+  frame: async () => (await import('./FrameWizard')).FrameWizard,
+  tool: async () => (await import('./ToolWizard')).ToolWizard,
+  camera: async () => (await import('./CameraWizard')).CameraWizard,
+  payload: async () => (await import('./PayloadWizard')).PayloadWizard,
+  joints: async () => (await import('./JointsWizard')).JointsWizard,
+};
+
+export async function openWizard(kind: Kind): Promise<void> {
+  const Wizard = await kLoads[kind]();
+  open((done) => <Wizard onClose={done} />);
 }
 
 /** A banner on the Move page that leads back to the wizard. */
 export function WaitingWizard() {
   const kind = waiting.value;
   if (!kind) return null;
-  const { title, icon, least } = kWizards[kind];
-  const count = kind === 'frame' ? touches.value.filter(Boolean).length : kind === 'tool' ? toolPoses.value.length : sightings.value.length;
+  const { title, icon, least, count, counted, now } = kWizards[kind];
   return (
     <div class="banner" role="status">
       <Icon name={icon} />
       <div>
-        <strong>{t(title)}</strong> · {t(kind === 'camera' ? 'points.countSeen' : 'points.countTouched', { count, of: least })}
+        <strong>{t(title)}</strong> · {t(counted, { count: count(), of: least })}
       </div>
-      <Button label={t(kind === 'camera' ? 'points.seeNow' : 'points.touchNow')} tone="primary" onClick={() => void goOn(kind)} />
+      <Button label={t(now)} tone="primary" onClick={() => void openWizard(kind)} />
       <Button label={t('dialog.close')} icon="close" bare tone="quiet" onClick={() => (waiting.value = null)} />
     </div>
   );

@@ -1,14 +1,16 @@
-#include "apps/cell_edit.hpp"
+#include "polyarm/io/cell_edit.hpp"
 
 #include <algorithm>
+#include <optional>
 #include <vector>
 
 #include "polyarm/base/error.hpp"
+#include "polyarm/base/file.hpp"
 #include "polyarm/base/text.hpp"
 #include "polyarm/data/set_edit.hpp"
 #include "polyarm/yaml/yaml.hpp"
 
-namespace polyarm::apps {
+namespace polyarm::cell {
 
 namespace {
 
@@ -45,7 +47,37 @@ Yaml robot_in(const Yaml& cell, const std::string& file, const std::string& robo
   throw Error(Problem{"unknown-robot",
                       {file},
                       "the cell has no robot '" + robot + "'" + did_you_mean(robot, cell["robots"].keys()),
-                      "--arm NAME"});
+                      "name one of them"});
+}
+
+bool begins_with_bracket(const std::string& text, const Yaml& entry) {
+  const std::size_t begin = offset_of(text, entry.where());
+  return begin < text.size() && text[begin] == '{';
+}
+
+struct Span {
+  std::size_t begin = 0, end = 0;
+};
+/// The bytes of the value of a key that the entry has.
+Span value_span(const std::string& text, const Yaml& entry, const std::string& key) {
+  std::size_t at = text.find(':', offset_of(text, entry.key_location(key)));
+  at = std::min(text.find_first_not_of(' ', at + 1), text.size());
+  std::size_t end = end_of_value(text, at, begins_with_bracket(text, entry));
+  while (end > at && text[end - 1] == ' ') --end;
+  return {at, end};
+}
+
+/// True if `now` is `before` with another value of the key, or with the key added, and nothing else.
+bool differs_only_in(const std::string& before, const std::string& now, const std::string& file,
+                     const std::string& robot, const std::string& key) {
+  try {
+    const Yaml entry = robot_in(Yaml::parse(now, file), file, robot);
+    if (!entry.has(key)) return false;
+    const Span value = value_span(now, entry, key);
+    return with_robot_key(before, file, robot, key, now.substr(value.begin, value.end - value.begin)) == now;
+  } catch (const Error&) {
+    return false;
+  }
 }
 
 }  // namespace
@@ -55,14 +87,10 @@ std::string with_robot_key(const std::string& text, const std::string& file, con
   const Yaml entry = robot_in(Yaml::parse(text, file), file, robot);
   std::string out = text;
   const std::size_t begin = offset_of(text, entry.where());
-  const bool in_flow = begin < text.size() && text[begin] == '{';
   if (entry.has(key)) {
-    std::size_t at = text.find(':', offset_of(text, entry.key_location(key)));
-    at = std::min(text.find_first_not_of(' ', at + 1), text.size());
-    std::size_t end = end_of_value(text, at, in_flow);
-    while (end > at && text[end - 1] == ' ') --end;
-    out.replace(at, end - at, value);
-  } else if (in_flow) {
+    const Span old = value_span(text, entry, key);
+    out.replace(old.begin, old.end - old.begin, value);
+  } else if (begins_with_bracket(text, entry)) {
     out.insert(begin + 1, key + ": " + value + ", ");
   } else {
     const std::size_t line = text.rfind('\n', begin) + 1;  // npos + 1 is 0
@@ -102,4 +130,21 @@ void set_robot_key(const std::filesystem::path& cell, const std::string& robot, 
   });
 }
 
-}  // namespace polyarm::apps
+std::string undo_robot_key(const std::filesystem::path& cell) {
+  const std::filesystem::path file = cell_file_of(cell);
+  data::require_history(file, 1);
+  const data::SetVersion last = data::history(file).back();
+  const auto of = last.what.find(" of ");
+  if (of == std::string::npos)
+    throw Error(Problem{"no-history", {file.string()}, "its last change is another one: " + last.what, {}});
+  const std::string key = last.what.substr(0, of), robot = last.what.substr(of + 4);
+  if (!differs_only_in(read_file(last.file), read_file(file), file.string(), robot, key))
+    throw Error(Problem{"changed-meanwhile",
+                        {file.string()},
+                        "the file was changed after '" + key + "' of '" + robot + "' was written",
+                        "change '" + key + "' yourself; nothing was changed"});
+  data::undo(file, 1);
+  return last.what;
+}
+
+}  // namespace polyarm::cell
