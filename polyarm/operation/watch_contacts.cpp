@@ -8,6 +8,7 @@
 
 #include "polyarm/operation/watches.hpp"
 #include "polyarm/setup/bodies.hpp"
+#include "polyarm/setup/controllers_start.hpp"
 
 namespace polyarm::cell {
 
@@ -17,6 +18,16 @@ constexpr Nanoseconds kFromTheStart = 5'000'000;
 
 bool belongs(const std::string& name, const std::string& robot) {
   return name.starts_with(robot + "/") || name == "the part held by " + robot;
+}
+
+/// True if the robot only rests: its trajectory controller holds its joints, has nothing to follow, and
+/// nobody drives its base. Only then nothing else can have moved it.
+bool rests(const Watches::Owners& cell, std::size_t r) {
+  const moves::RobotMotion* const motion = cell.motions.motion(r);
+  if (!motion || !motion->idle() || motion->complying() || cell.motions.base(r).moves()) return false;
+  const controllers::JointTrajectoryController* const holds =
+      trajectory_controller_of(*cell.setup.robots[r], cell.machine.controllers(), false);
+  return holds && holds->status().active.load(std::memory_order_acquire) == 0;
 }
 
 /// Why one of the robots of a contact fell. Skipped if contacts are allowed, because there may be many.
@@ -66,6 +77,8 @@ void Watches::find_cause(ContactReport& contact) const {
   } else if (cell_.motions.wheels(r) && !cell_.motions.wheels(r)->idle() && cell_.programs.under_way()) {
     contact.during = ContactDuring::program;
     contact.where = cell_.programs.program()->status().where;
+  } else if (rests(cell_, r)) {
+    contact.robot.clear();
   }
 }
 
@@ -78,6 +91,9 @@ Problem Watches::problem_of(const ContactReport& contact) const {
     out.advice = "jog it away slowly, then polyarm control resume";
   else if (const std::string why = falls(cell_.setup, contact); !why.empty())
     out.advice = why + "; correct the <limit effort> of the description";
+  else if (contact.during == ContactDuring::other && contact.robot.empty())
+    out.advice = "look at what came to the robot, and remove it" +
+                 std::string(cell_.programs.waits() ? "; then polyarm control resume" : "");
   else if (cell_.programs.waits())
     out.advice =
         "polyarm control back leads out along the path; or polyarm control discard, then jog it away "
@@ -182,7 +198,8 @@ protocol::ContactState contact_state(const CellSetup& setup, const Machine& mach
   for (const Problem& each : setup.unchecked_bodies)
     out.unchecked_why.push_back({each.code, protocol::fact_values(each.facts)});
   for (const ContactReport& c : contacts.list())
-    out.list.push_back({c.a, c.b, c.robot, seconds(c.time), c.depth, c.position, c.now, name(c.during),
+    out.list.push_back({c.a, c.b, c.robot, seconds(c.time), c.depth, c.position, c.now,
+                        std::get<std::string>(c.facts().back().value),
                         c.where.file.empty() ? "" : c.where.text(), c.sentence()});
   return out;
 }

@@ -424,6 +424,24 @@ TEST_F(Ways, AContactWhileJoggingIsTheJogsAndNoProgramsThatHasEnded) {
   EXPECT_EQ(state(), "held");
 }
 
+TEST_F(Ways, AContactWithARobotAtRestHasNoLineAndSaysSo) {
+  folder.write("stand.script", "load work_data\nmovej A\nwait 60s\nmovej B\n");
+  build();
+  begin("stand.script", 20);
+  ASSERT_FALSE(cell->cell().program()->ended());
+  ASSERT_TRUE(cell->cell().snapshot().standing) << "it waits at A";
+  touch();
+  EXPECT_EQ(state(), "held");
+  const Json told = contacts();
+  ASSERT_EQ(told["list"].size(), 1u) << told;
+  EXPECT_EQ(told["list"][0]["doing"], "rest");
+  EXPECT_EQ(told["list"][0]["where"], "") << "no line moved the robot";
+  EXPECT_EQ(told["list"][0]["robot"], "") << "nor did it move itself";
+  EXPECT_NE(told["list"][0]["text"].get<std::string>().find("while the robot only stood there"),
+            std::string::npos)
+      << told;
+}
+
 TEST_F(Ways, ContactsAreToldAfterManyOfThem) {
   build();
   for (int k = 0; k < hardware::WorldState::kMaxFindings + 5; ++k) {
