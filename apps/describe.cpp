@@ -8,8 +8,9 @@
 #include "polyarm/description/bodies.hpp"
 #include "polyarm/description/urdf.hpp"
 #include "polyarm/hulls/robot_bodies.hpp"
-#include "polyarm/kinematics/chain.hpp"
 #include "polyarm/ik/inverse_kinematics.hpp"
+#include "polyarm/kinematics/chain.hpp"
+#include "polyarm/shapes/robot_shapes.hpp"
 
 namespace polyarm::apps {
 
@@ -228,6 +229,7 @@ int run_describe(int argc, char** argv) {
   hulls::BodiesMade bodies;
   if (!urdf) bodies = hulls::make_bodies(model, hulls::bodies_cache());
   for (Problem& problem : bodies.warnings) warnings.add(std::move(problem));
+  shapes::check_look(model, warnings);
   for (const Problem& problem : warnings.list()) fmt::print(stderr, "{}\n", problem.text());
   if (urdf)
     fmt::print("{}", description::write_urdf(model));

@@ -28,6 +28,7 @@
 #include "polyarm/setup/build.hpp"
 #include "polyarm/setup/controllers_plan.hpp"
 #include "polyarm/setup/frame_check.hpp"
+#include "polyarm/shapes/robot_shapes.hpp"
 #include "polyarm/signals/tags.hpp"
 #include "polyarm/yaml/yaml.hpp"
 #include "polyarm/yaml/yaml_repeats.hpp"
@@ -100,6 +101,7 @@ class Checker {
   }
 
   void bodies() {
+    for (const auto& robot : robots_) shapes::check_look(robot->model, problems_);
     make_robot_bodies(robots_, problems_);
     make_scene_bodies(robots_, scene_, problems_);
     result_.notes = file_.notes;

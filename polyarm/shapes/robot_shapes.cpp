@@ -60,6 +60,9 @@ MeasuredLook measured_look(const RobotModel& model, Problems& problems) {
   } catch (const Error& e) {
     for (Problem problem : e.problems()) {
       problem.severity = Severity::warning;
+      problem.what += "; '" + model.name + "' is drawn without its measured surfaces";
+      if (problem.advice.empty())
+        problem.advice = "measure them again with `polyarm robots fit`, or remove the file";
       problems.add(problem);
     }
     return {};
@@ -106,6 +109,11 @@ std::vector<LinkShape> robot_shapes(const RobotModel& model, Problems& problems)
     if (!shape.mesh.empty()) out.push_back(std::move(shape));
   }
   return out;
+}
+
+void check_look(const RobotModel& model, Problems& problems) {
+  style_of(model, problems);
+  measured_look(model, problems);
 }
 
 std::vector<int> links_with_shapes(const RobotModel& model) {

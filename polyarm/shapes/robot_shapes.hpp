@@ -25,6 +25,10 @@ bool has_no_look(const description::RobotModel& model);
 /// Wrong entries of RobotModel::look are reported as warnings.
 std::vector<LinkShape> robot_shapes(const description::RobotModel& model, Problems& problems);
 
+/// Adds the warnings of robot_shapes without making shapes: wrong entries of RobotModel::look, and a file of
+/// measured surfaces that cannot be read.
+void check_look(const description::RobotModel& model, Problems& problems);
+
 /// The links that robot_shapes gives a shape.
 std::vector<int> links_with_shapes(const description::RobotModel& model);
 
