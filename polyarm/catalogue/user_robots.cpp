@@ -95,6 +95,11 @@ fs::path store_robot(const RobotModel& model, const std::string& name, const fs:
     throw Error("no-folder", file.parent_path().string() + " cannot be created: " + error.message(),
                 "choose a folder with --folder");
   write_file_atomically(file, write_urdf(model));
+  // A robot file of this name would be read in place of the description, with its measured surfaces.
+  for (const char* ending : {".yaml", ".look"})
+    if (const fs::path old = folder / (name + ending); fs::exists(old, error) && !fs::remove(old, error))
+      throw Error("not-removed", old.string() + " cannot be removed: " + error.message(),
+                  "remove it: it is read in place of " + file.string());
   return file;
 }
 

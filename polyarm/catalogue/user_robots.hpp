@@ -21,7 +21,8 @@ void check_for_catalogue(const RobotModel& model, Problems& problems);
 void complete_for_catalogue(RobotModel& model, const std::filesystem::path& source);
 
 /// Writes `folder/<maker>/<model>.urdf`, which reads back equal. `name` is maker/model in lower-case letters,
-/// digits and underscores. Throws Error("bad-name" | "exists").
+/// digits and underscores. `replace` also removes a robot file of this name with its surfaces. Throws
+/// Error("bad-name" | "exists" | "no-folder" | "not-removed").
 std::filesystem::path store_robot(const RobotModel& model, const std::string& name,
                                   const std::filesystem::path& folder, bool replace);
 

@@ -119,6 +119,44 @@ TEST_F(RobotsAdd, TakesADescriptionThatThenLoadsEverywhere) {
   EXPECT_EQ(run_command({"robots", "add", urdf, "--name", "acme/one", "--replace"}).exit_code, 0);
 }
 
+TEST_F(RobotsAdd, ReplacesARobotFileOfTheSameName) {
+  const std::string urdf = POLYARM_SOURCE_DIR "/examples/r6bot/r6bot.urdf";
+  const fs::path maker = folder_.path() / "polyarm/robots/acme";
+  fs::create_directories(maker);
+  fs::copy_file(POLYARM_SOURCE_DIR "/robots/universal_robots/ur5e.yaml", maker / "one.yaml");
+  fs::copy_file(POLYARM_SOURCE_DIR "/robots/universal_robots/ur5e.look", maker / "one.look");
+  EXPECT_EQ(run_command({"robots", "add", urdf, "--name", "acme/one"}).exit_code, 1);
+  const Finished added = run_command({"robots", "add", urdf, "--name", "acme/one", "--replace"});
+  ASSERT_EQ(added.exit_code, 0) << added.output;
+  const Finished described = run_command({"describe", "acme/one"});
+  EXPECT_NE(described.output.find("joint_1"), std::string::npos) << described.output;
+  EXPECT_EQ(described.output.find("shoulder_pan_joint"), std::string::npos) << described.output;
+  EXPECT_FALSE(fs::exists(maker / "one.look"));
+}
+
+using Looks = OwnConfiguration;
+
+TEST_F(Looks, ThatAreDamagedAreReportedWhereTheRobotIsRead) {
+  const fs::path maker = folder_.path() / "polyarm/robots/acme";
+  fs::create_directories(maker);
+  fs::copy_file(POLYARM_SOURCE_DIR "/robots/universal_robots/ur5e.yaml", maker / "one.yaml");
+  const test::Folder cell;
+  cell.write("cell.yaml", "polyarm: cell/1\nrobots:\n  arm: {model: acme/one, hardware: mock}\n");
+  const auto output = [&](const std::string& verb) {
+    const Finished run = run_command({verb, verb == "check" ? cell.path().string() : "acme/one"});
+    EXPECT_EQ(run.exit_code, 0) << run.output;
+    return run.output;
+  };
+  for (const char* verb : {"describe", "check"}) EXPECT_EQ(output(verb).find("one.look"), std::string::npos);
+  write_file_atomically(maker / "one.look",
+                        "polyarm: look/1\nlinks:\n  forearm_link:\n    - {frame: \"0 0\"}\n");
+  for (const char* verb : {"describe", "check"}) {
+    const std::string said = output(verb);
+    EXPECT_NE(said.find("one.look:4"), std::string::npos) << said;
+    EXPECT_NE(said.find("is drawn without its measured surfaces"), std::string::npos) << said;
+  }
+}
+
 using RobotsRemove = OwnConfiguration;
 
 TEST_F(RobotsRemove, TakesAwayWhatWasAddedAndNothingElse) {
