@@ -1,5 +1,6 @@
 /// Requests about controllers.
 #include <algorithm>
+#include <nlohmann/json.hpp>
 
 #include "polyarm/base/bounds.hpp"
 #include "polyarm/base/text.hpp"
@@ -9,8 +10,7 @@
 #include "polyarm/protocol/controllers.hpp"
 #include "polyarm/requests/controller_switch.hpp"
 #include "polyarm/requests/families.hpp"
-
-#include <nlohmann/json.hpp>
+#include "polyarm/setup/controllers_start.hpp"
 
 namespace polyarm::cell {
 
@@ -147,6 +147,21 @@ Poll<SwitchOutcome> control_switch(const ControllerOwners& cell, const ControlSw
               [](const control::SwitchPlan& plan) { return at_once(outcome_of(plan)); });
 }
 
+/// A warning if `name` drives a base that the cell moves by no controller: it takes those that are there when
+/// it starts, for example not one that was unloaded and loaded again. Empty if not.
+std::string base_without_motion(const ControllerOwners& cell, const std::string& name) {
+  const control::ControllerManager& manager = cell.machine.controllers();
+  for (std::size_t r = 0; r < cell.setup.robots.size(); ++r) {
+    const controllers::BaseController* const wheels = base_controller_of(*cell.setup.robots[r], manager);
+    if (!wheels || wheels != manager.find(name) || cell.inside.motions->wheels(r)) continue;
+    return "'" + name + "' drives the base of '" + cell.setup.robots[r]->entry.name +
+           "', but was not there when the cell started: guards do not watch this base, and 'drive' does not "
+           "use "
+           "it; restart the cell";
+  }
+  return {};
+}
+
 ControlLoad::Answer control_load(const ControllerOwners& cell, const ControlLoad& request) {
   require_short_name(request.name);
   if (const std::size_t loaded = cell.machine.controllers().list().size();
@@ -159,7 +174,11 @@ ControlLoad::Answer control_load(const ControllerOwners& cell, const ControlLoad
   const Problems problems = cell.machine.load_controller(request.name, request.type.value_or(""),
                                                          std::move(parameters), request.file.value_or(""));
   ControlLoad::Answer out{request.name, hardware::name(controller_state(cell.machine, request.name)), {}};
+  const auto is_late = [](const Problem& problem) { return problem.code == "late-wheels"; };
   for (const Problem& problem : problems.list()) out.warnings.push_back(problem.text());
+  if (std::none_of(problems.list().begin(), problems.list().end(), is_late))
+    if (std::string text = base_without_motion(cell, request.name); !text.empty())
+      out.warnings.push_back("warning: " + text);
   return out;
 }
 

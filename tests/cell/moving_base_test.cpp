@@ -70,6 +70,21 @@ TEST(MovingBase, StaysWhereItIsWhenItsControllerIsUnloaded) {
   EXPECT_EQ(bench.cell().base(0).pose(bench.cell().snapshot()), before);
 }
 
+TEST(MovingBase, AControllerThatIsUnloadedAndLoadedAgainSaysThatNothingGuardsIt) {
+  Folder folder;
+  test::write_jetbot_cell(folder, "log(1)\n");
+  LockStepCell bench(read_cell_file(folder.path()));
+  bench.run(0.5);
+  bench.ask({{"request", "control.switch"}, {"deactivate", {"base"}}});
+  bench.run(0.1);
+  bench.cell().unload_controller("base");
+  bench.run(0.1);
+  const auto again = bench.ask({{"request", "control.load"}, {"name", "base"}});
+  ASSERT_TRUE(again["ok"].get<bool>()) << again.dump();
+  EXPECT_NE(again["result"]["warnings"].dump().find("guards do not watch this base"), std::string::npos)
+      << again.dump();
+}
+
 TEST(MovingBase, CarriesWhatStandsOnIt) {
   Folder folder;
   test::write_jetbot_cell(folder, "drive 500mm, robot jetbot\nturn 90deg, robot jetbot\n",
