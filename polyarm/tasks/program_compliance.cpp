@@ -10,6 +10,16 @@
 
 namespace polyarm::cell {
 
+namespace {
+/// s over which the force is averaged before it is compared with its limit. A tool that slides on a hard
+/// surface hops: single readings are several times the mean force, and none is a collision.
+constexpr double kMeanOfForce = 0.02;
+
+Vec3 force_in(const Wrench& wrench) {
+  return {wrench[0], wrench[1], wrench[2]};
+}
+}  // namespace
+
 void ProgramMoves::comply(const std::string& robot, const program::Compliance& how, ForceReadings& force) {
   Arm& arm = arms_[arm_of(robot, {})];
   moves::RobotMotion& motion = *arm.robot.motion;
@@ -30,7 +40,7 @@ void ProgramMoves::comply(const std::string& robot, const program::Compliance& h
   settings.reach = how.reach;
   arm.yields_next = settings;
   begin_next_compliance(arm, felt, force.time());
-  arm.yielding = {how.most, {}};
+  arm.yielding = {how.most, force_in(felt), force.time(), {}};
 }
 
 void ProgramMoves::check_compliance(const RobotEntry& robot) {
@@ -89,14 +99,17 @@ void ProgramMoves::tick_compliance(ForceReadings& force) {
       const Wrench felt = force.wrench(name);
       begin_next_compliance(arm, felt, force.time());
       motion->feed_wrench(felt, force.time());
-      const double size = std::hypot(felt[0], felt[1], felt[2]);
-      if (size <= arm.yielding->most) continue;
+      Arm::Yielding& yielding = *arm.yielding;
+      const double dt = seconds(force.time() - std::exchange(yielding.felt_at, force.time()));
+      yielding.felt = yielding.felt + dt / (dt + kMeanOfForce) * (force_in(felt) - yielding.felt);
+      const double size = norm(yielding.felt);
+      if (size <= yielding.most) continue;
       arm.yielding->failure =
           Problem{"limit",
                   {},
                   fmt::format("the force at the tool of '{}' is {:.0f} N, more than the {:g} N of comply()",
                               name, size, arm.yielding->most),
-                  "move more slowly, or allow more: most = 200N"};
+                  fmt::format("move more slowly, or allow more: most = {:.0f}N", 2 * arm.yielding->most)};
     } catch (const Error& e) {
       arm.yielding->failure = e.problems().front();
     }

@@ -168,9 +168,11 @@ class ProgramMoves {
       bool ended = false;  ///< it has failed
     };
     std::optional<Ride> ride;
-    /// Of a robot that yields: the largest force, and why it has ended by itself.
+    /// Of a robot that yields: the force it feels on average, the largest, and why it has ended by itself.
     struct Yielding {
       double most = 0;
+      Vec3 felt;
+      Nanoseconds felt_at = 0;
       std::optional<Problem> failure;
       bool reported = false;  ///< a move has failed because of it
     };

@@ -194,5 +194,13 @@ TEST(CollisionTorque, DoesNotStopFastMovesInTheAir) {
   EXPECT_EQ(run.exit_code, 0) << run.output;
 }
 
+/// While a pad slides, single readings of its force are several times their mean. None ends the compliance.
+TEST(Sliding, WorksWithOtherArmsAtTheSpeedsOfTheExample) {
+  for (const char* robot : {"ufactory/xarm_6", "franka/fr3"}) {
+    const Finished run = run_command({"test", POLYARM_SOURCE_DIR "/examples/polishing", "--robot", robot});
+    EXPECT_EQ(run.exit_code, 0) << robot << "\n" << run.output;
+  }
+}
+
 }  // namespace
 }  // namespace polyarm
