@@ -12,16 +12,10 @@ using World = hardware::WorldState;
 bool kept(const World& world, int number) {
   return number < world.finding_count && number + World::kMaxFindings >= world.finding_count;
 }
-
-/// What the robots did. A contact that no robot's motion caused came to robots at rest.
-const char* doing(const ContactReport& contact) {
-  const bool rests = contact.during == ContactDuring::other && contact.robot.empty();
-  return rests ? "rest" : name(contact.during);
-}
 }  // namespace
 
 const char* name(ContactDuring during) {
-  constexpr const char* kNames[] = {"program", "jog", "move", "start", "other"};
+  constexpr const char* kNames[] = {"program", "jog", "move", "start", "rest", "other"};
   return kNames[static_cast<std::size_t>(during)];
 }
 
@@ -38,12 +32,12 @@ std::string ContactReport::sentence() const {
   std::string out = fmt::format("{} touched {} at {:.3f} s, {} deep", a, b, seconds(time), depth_text(depth));
   if (during == ContactDuring::jog) out += ", moved by hand";
   if (during == ContactDuring::move) out += ", on the way to a requested point";
-  if (during == ContactDuring::other && robot.empty()) out += ", while the robot only stood there";
+  if (during == ContactDuring::rest) out += ", while the robot only stood there";
   return out;
 }
 
 Facts ContactReport::facts() const {
-  return {{"a", a}, {"b", b}, {"depth_m", depth}, {"at_s", seconds(time)}, {"doing", doing(*this)}};
+  return {{"a", a}, {"b", b}, {"depth_m", depth}, {"at_s", seconds(time)}, {"doing", name(during)}};
 }
 
 /// Removes contacts that have ended first.

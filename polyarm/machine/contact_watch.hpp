@@ -10,8 +10,8 @@
 
 namespace polyarm::cell {
 
-/// The kind of motion that caused a contact.
-enum class ContactDuring { program, jog, move, start, other };
+/// The kind of motion that caused a contact. `rest`: no robot moved.
+enum class ContactDuring { program, jog, move, start, rest, other };
 const char* name(ContactDuring during);
 
 /// "2.10 mm"; below 0.1 mm with two significant digits.
@@ -19,7 +19,7 @@ std::string depth_text(double depth_m);
 
 struct ContactReport {
   std::string a, b;    ///< "arm/forearm", "arm/tool", "fixture table", "part cube", "floor"
-  std::string robot;   ///< the robot whose motion caused it; empty if unknown
+  std::string robot;   ///< the robot whose motion caused it; empty if none did, or if that is unknown
   int number = 0;      ///< number of the finding
   Nanoseconds time = 0;
   double depth = 0;    ///< largest depth so far, m

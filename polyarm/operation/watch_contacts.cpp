@@ -78,6 +78,7 @@ void Watches::find_cause(ContactReport& contact) const {
     contact.during = ContactDuring::program;
     contact.where = cell_.programs.program()->status().where;
   } else if (rests(cell_, r)) {
+    contact.during = ContactDuring::rest;
     contact.robot.clear();
   }
 }
@@ -91,7 +92,7 @@ Problem Watches::problem_of(const ContactReport& contact) const {
     out.advice = "jog it away slowly, then polyarm control resume";
   else if (const std::string why = falls(cell_.setup, contact); !why.empty())
     out.advice = why + "; correct the <limit effort> of the description";
-  else if (contact.during == ContactDuring::other && contact.robot.empty())
+  else if (contact.during == ContactDuring::rest)
     out.advice = "look at what came to the robot, and remove it" +
                  std::string(cell_.programs.waits() ? "; then polyarm control resume" : "");
   else if (cell_.programs.waits())
@@ -198,8 +199,7 @@ protocol::ContactState contact_state(const CellSetup& setup, const Machine& mach
   for (const Problem& each : setup.unchecked_bodies)
     out.unchecked_why.push_back({each.code, protocol::fact_values(each.facts)});
   for (const ContactReport& c : contacts.list())
-    out.list.push_back({c.a, c.b, c.robot, seconds(c.time), c.depth, c.position, c.now,
-                        std::get<std::string>(c.facts().back().value),
+    out.list.push_back({c.a, c.b, c.robot, seconds(c.time), c.depth, c.position, c.now, name(c.during),
                         c.where.file.empty() ? "" : c.where.text(), c.sentence()});
   return out;
 }
