@@ -7,6 +7,7 @@
 #include <filesystem>
 
 #include "polyarm/base/hash.hpp"
+#include "polyarm/base/reach.hpp"
 #include "polyarm/description/bodies.hpp"
 #include "polyarm/kinematics/chain.hpp"
 #include "polyarm/meshes/robot_meshes.hpp"
@@ -278,7 +279,7 @@ Json cell_json(cell::CellView& cell) {
     if (const data::Point* point = cell.store().find(name)->as_point())
       frames.push_back({{"name", name}, {"in", point->frame()}, {"pose", pose_json(point->pose)}});
   return {{"name", cell.file().name},
-          {"folder", cell.file().folder.string()},
+          {"folder", resolved(cell.file().folder).string()},  // as the list of cells names it
           {"simulated", !cell.arming().needed()},
           {"real", cell.arming().needed()},
           {"rate_hz", 1 / seconds(cell.period())},

@@ -112,6 +112,14 @@ TEST_F(PendantTest, TheHelpIsServedWithoutAToken) {
   EXPECT_EQ(WebPeer::status(WebPeer::fetch(pendant->port(), "/helpless/")), 404);
 }
 
+TEST_F(PendantTest, TheFolderOfTheCellIsWholeHoweverItWasNamed) {
+  pendant->detach();
+  cell = std::make_unique<LockStepCell>(cell::read_cell_file(std::filesystem::relative(folder.path())));
+  pendant->attach(cell->cell().view());
+  const Json cell_now = Json::parse(body(fetch("/api/cell")));
+  EXPECT_EQ(cell_now["folder"], std::filesystem::canonical(folder.path()).string());
+}
+
 TEST_F(PendantTest, TheCellItsModelAndItsSceneAreThereToBeDrawn) {
   const Json cell_now = Json::parse(body(fetch("/api/cell")));
   ASSERT_EQ(cell_now["robots"].size(), 1u);

@@ -143,8 +143,8 @@ function Calibration({ name }: { name: string }) {
   const off = !mayProgram.value || restarting.value !== '';
   return (
     <div class="row">
-      <Button label={t('calibrate.payload')} icon="down" disabled={off} onClick={() => start('payload')} />
-      <Button label={t('calibrate.joints')} icon="fit" disabled={off} onClick={() => start('joints')} />
+      <Button label={t('calibrate.payload')} icon="cube" disabled={off} onClick={() => start('payload')} />
+      <Button label={t('calibrate.joints')} icon="settings" disabled={off} onClick={() => start('joints')} />
     </div>
   );
 }

@@ -54,8 +54,8 @@ const kWizards = {
   frame: { title: 'points.frame', icon: 'cube', least: 3, count: () => touches.value.filter(Boolean).length, ...kTouched },
   tool: { title: 'points.tool', icon: 'target', least: 4, count: () => toolPoses.value.length, ...kTouched },
   camera: { title: 'points.camera', icon: 'eye', least: 3, count: () => sightings.value.length, ...kSeen },
-  payload: { title: 'calibrate.payload', icon: 'down', least: 6, count: () => weighings.value.length, ...kMeasured },
-  joints: { title: 'calibrate.joints', icon: 'fit', least: 30, count: () => armPoses.value.length, ...kMeasured },
+  payload: { title: 'calibrate.payload', icon: 'cube', least: 6, count: () => weighings.value.length, ...kMeasured },
+  joints: { title: 'calibrate.joints', icon: 'settings', least: 30, count: () => armPoses.value.length, ...kMeasured },
 } as const;
 
 /** A button that leads to the Move page and keeps the wizard waiting. */
