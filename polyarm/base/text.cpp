@@ -124,6 +124,22 @@ std::string in_latin(std::string_view text) {
   return out.empty() ? std::string(text) : out;
 }
 
+/// True if the names differ in case, '_', '-' and blanks only.
+bool same_letters(std::string_view a, std::string_view b) {
+  const auto next = [](std::string_view& text) {
+    text.remove_prefix(std::min(text.find_first_not_of("_- "), text.size()));
+    if (text.empty()) return '\0';
+    const char out = text.front();
+    text.remove_prefix(1);
+    return out >= 'A' && out <= 'Z' ? static_cast<char>(out | 0x20) : out;
+  };
+  for (;;) {
+    const char x = next(a), y = next(b);
+    if (x != y) return false;
+    if (x == '\0') return true;
+  }
+}
+
 /// Of names such as MAKER/MODEL the last part, where `wrong` has one part only.
 std::string_view comparable(std::string_view candidate, std::string_view wrong) {
   const auto slash = candidate.rfind('/');
@@ -144,6 +160,7 @@ std::optional<std::string> nearest_name(std::string_view wrong, std::span<const 
   for (const std::string& candidate : candidates.first(std::min(candidates.size(), kMostLookedAt))) {
     for (const std::string_view name : {std::string_view(candidate), comparable(candidate, wrong)}) {
       if (cells > kMostCells) break;
+      if (name != wrong && same_letters(name, wrong)) return candidate;
       const std::size_t apart = std::max(name.size(), wrong.size()) - std::min(name.size(), wrong.size());
       if (apart < best_distance) cells += wrong.size() * name.size();
       const std::size_t distance = apart < best_distance ? edit_distance(wrong, name) : best_distance;

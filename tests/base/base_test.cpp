@@ -80,6 +80,9 @@ TEST(Text, NearestNameLooksAtTheWholeNameAndAtBeginnings) {
   EXPECT_EQ(nearest_name("fanuc/lr_mat", robots), "fanuc/lr_mate_200id");
   EXPECT_EQ(nearest_name("fanuc/lr_mate_200di", robots), "fanuc/lr_mate_200id");
   EXPECT_EQ(nearest_name("ur5e", robots), "universal_robots/ur5e") << "the maker is left out";
+  const std::vector<std::string> arms = {"ufactory/xarm5", "ufactory/xarm_6"};
+  EXPECT_EQ(nearest_name("ufactory/xarm6", arms), "ufactory/xarm_6") << "nearer than another digit";
+  EXPECT_EQ(nearest_name("xArm-6", arms), "ufactory/xarm_6");
   EXPECT_EQ(nearest_name("universal_robots/ru5", robots), "universal_robots/ur5");
   const std::vector<std::string> options{"--fast", "--seconds", "--fault"};
   EXPECT_EQ(nearest_name("--fst", options), "--fast");
