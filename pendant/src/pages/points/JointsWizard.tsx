@@ -90,19 +90,21 @@ export function JointsWizard({ onClose }: { onClose: () => void }) {
       <p>{t(mode === 'measure' ? 'calibrate.jText' : 'calibrate.jCheckText', { count: kGood })}</p>
       <details class="points-how" open={taken.length === 0}>
         <summary>{t('calibrate.jHow')}</summary>
-        <Select label={t('calibrate.jMarker')} value={marker} options={markers.map((each) => ({ id: each, name: each }))} onChange={(next) => change({ marker: next })} />
-        {markers.length === 0 && <p class="points-bad">{t('calibrate.jNoMarker')}</p>}
-        <Segmented
-          label={t('calibrate.jSees')}
-          value={sees}
-          options={[
-            { id: 'poses', name: t('calibrate.jPoses') },
-            { id: 'positions', name: t('calibrate.jPositions') },
-          ]}
-          onChange={(next) => change({ sees: next })}
-        />
-        <Toggle label={t('calibrate.jInBase')} value={inBase} onChange={(on) => change({ inBase: on })} />
-        <Toggle label={t('calibrate.jOfFlange')} value={ofFlange} onChange={(on) => change({ ofFlange: on })} />
+        <div>
+          <Select label={t('calibrate.jMarker')} value={marker} options={markers.map((each) => ({ id: each, name: each }))} onChange={(next) => change({ marker: next })} />
+          {markers.length === 0 && <p class="points-bad">{t('calibrate.jNoMarker')}</p>}
+          <Segmented
+            label={t('calibrate.jSees')}
+            value={sees}
+            options={[
+              { id: 'poses', name: t('calibrate.jPoses') },
+              { id: 'positions', name: t('calibrate.jPositions') },
+            ]}
+            onChange={(next) => change({ sees: next })}
+          />
+          <Toggle label={t('calibrate.jInBase')} value={inBase} onChange={(on) => change({ inBase: on })} />
+          <Toggle label={t('calibrate.jOfFlange')} value={ofFlange} onChange={(on) => change({ ofFlange: on })} />
+        </div>
       </details>
       {old > 0 && <p class="points-bad" role="status">{t('calibrate.jOld', { seconds: number(old, 0) })}</p>}
       <p role="status">{t('calibrate.jCount', { count: taken.length, of: mode === 'measure' ? kGood : kLeast.check })}</p>
