@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <iostream>
+#include <map>
 
 #include "apps/client.hpp"
 #include "polyarm/base/text.hpp"
@@ -17,6 +18,18 @@ Pose pose_of(const Json& facts) {
     throw Error("bad-answer", "the cell gave no pose", "use a cell of the same version");
   return {{number_of(p[0]), number_of(p[1]), number_of(p[2])},
           {number_of(q[0]), number_of(q[1]), number_of(q[2]), number_of(q[3])}};
+}
+
+Vec3 vector_of(const Json& list) {
+  if (!list.is_array() || list.size() != 3)
+    throw Error("bad-answer", "the cell gave no vector", "use a cell of the same version");
+  return {number_of(list[0]), number_of(list[1]), number_of(list[2])};
+}
+
+std::map<std::string, double> by_joint(const Json& map) {
+  std::map<std::string, double> out;
+  for (const auto& [joint, value] : map.items()) out[joint] = number_of(value);
+  return out;
 }
 
 std::optional<Vec3> typed_place() {
@@ -56,6 +69,21 @@ Json sighting(Client& cell, const RecordOptions& options) {
   return out;
 }
 
+/// What the hand carries, felt by the sensor at the wrist, or else by the joints.
+void weigh(Client& cell, const RecordOptions& options, calibration::Sample& out) {
+  Json request = asking(options, "calibrate.sample");
+  request["forces"] = true;
+  const Json felt = cell.ask(request);
+  if (felt.contains("force")) {
+    out.poses["flange"] = pose_of(part(felt, {"flange"}));
+    out.vectors["force"] = vector_of(part(felt, {"force"}));
+    out.vectors["torque"] = vector_of(part(felt, {"torque"}));
+  } else {
+    out.joints["q"] = by_joint(part(felt, {"joints"}));
+    out.joints["tau"] = by_joint(part(felt, {"torques"}));
+  }
+}
+
 std::optional<calibration::Sample> sample_now(Client& cell, RecordOptions& options) {
   calibration::Sample out;
   const Json state = cell.ask(asking(options, "jog.state"));
@@ -70,13 +98,14 @@ std::optional<calibration::Sample> sample_now(Client& cell, RecordOptions& optio
     if (!known) return std::nullopt;
     out.vectors["known"] = *known;
   } else if (options.kind == "joints") {
-    for (const auto& [joint, value] : part(here, {"joints"}).items())
-      out.joints["q"][joint] = number_of(value);
+    out.joints["q"] = by_joint(part(here, {"joints"}));
     out.poses["measured"] = pose_of(part(sighting(cell, options), {"marker"}));
   } else if (options.kind == "hand-eye" || options.kind == "eye-to-hand") {
     const Json pair = sighting(cell, options);
     out.poses["flange"] = pose_of(part(pair, {"flange"}));
     out.poses["marker"] = pose_of(part(pair, {"marker"}));
+  } else if (options.kind == "payload") {
+    weigh(cell, options, out);
   } else {
     throw Error("bad-usage", "samples of a " + options.kind + " cannot be taken from a cell",
                 "give a file of samples");
