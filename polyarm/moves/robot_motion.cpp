@@ -214,6 +214,7 @@ bool RobotMotion::in_step(Ready& ready, Nanoseconds now) {
   InStep& step = *ready.step;
   if (step.failed_) {
     const std::uint64_t first = ready.first_id;
+    planned_ = begin_of(ready);  // the robot has not left its place
     ready_.clear(), waiting_.clear();
     job_ = nullptr;
     end_badly(first, MoveState::discarded);

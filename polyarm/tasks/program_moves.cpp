@@ -460,11 +460,20 @@ program::Travel ProgramMoves::travel(program::Handle handle) const {
 void ProgramMoves::end(program::Handle handle) {
   const auto found = asked_.find(handle);
   if (found == asked_.end()) return;
-  for (const Moves& moves : found->second)
-    if (!moves.base)
-      arms_[moves.arm].robot.motion->end(moves.first);
-    else if (arms_[moves.arm].robot.base)
-      arms_[moves.arm].robot.base->drop();
+  for (const Moves& moves : found->second) {
+    Arm& arm = arms_[moves.arm];
+    if (!moves.base) {
+      const moves::RobotMotion& motion = *arm.robot.motion;
+      arm.robot.motion->end(moves.first);
+      std::erase_if(arm.open, [&](const Open& open) {  // nobody asks any more why they did not arrive
+        const moves::MoveState state = motion.state_of(open.id);
+        return open.id >= moves.first && state != moves::MoveState::running &&
+               state != moves::MoveState::done;
+      });
+    } else if (arm.robot.base) {
+      arm.robot.base->drop();
+    }
+  }
 }
 
 data::Value ProgramMoves::here(const std::string& robot, const std::string& tool,

@@ -342,10 +342,16 @@ void Interpreter::raise(Task& task, Problem problem, bool catchable) {
     host_.caught(problem);
     return unwind(task, problem);
   }
+  Task* parent = catchable || !task.parent ? nullptr : task_of(task.parent);
+  if (parent && !parent->over()) {  // no handler around its `together` sees it, either
+    task.state = TaskState::failed;
+    give_back_locks(task, 0);
+    return raise(*parent, std::move(problem), false);
+  }
   fail(task, std::move(problem));
 }
 
-/// Stops the move of an `until` that is no longer looked at.
+/// Stops the move of an `until` that is no longer looked at, or the move in step of a part that has ended.
 void Interpreter::end_watched_move(Task& task) {
   if (!task.measured) return;
   const Handle move = *task.measured;
@@ -401,6 +407,8 @@ void Interpreter::end_children(std::uint64_t parent) {
   for (const auto& task : tasks_) {
     if (task->parent != parent || task->over()) continue;
     task->state = TaskState::stopped;
+    // A move in step would wait for ever for the part that has failed, or go on without it.
+    if (task->step.members > 1 && !task->moves.empty()) task->measured = task->moves.front().handle;
     end_watched_move(*task);
     give_back_locks(*task, 0);
     end_children(task->id);

@@ -88,7 +88,17 @@ bool Interpreter::poll_handles(Task& task) {
     Problem problem =
         progress.problem.value_or(Problem{"failed", {}, "'" + program_.source(task.line) + "' failed", {}});
     if (problem.where.file.empty() && problem.where.line == 0) problem.where = program_.at(task.line);
-    if (progress.state == Progress::State::ended) throw Ended{std::move(problem)};
+    if (progress.state == Progress::State::ended) {
+      // Of moves in step, all are discarded when one of them fails: its failure is the one to report.
+      for (const auto& other : tasks_) {
+        const bool in_step = task.step.members > 1 && other->parent == task.parent && other->id != task.id;
+        for (std::size_t i = 0; in_step && !other->over() && i < other->handles.size(); ++i)
+          if (Progress why = host_.poll_move(other->handles[i]);
+              why.state == Progress::State::failed && why.problem)
+            throw Error(std::move(*why.problem));
+      }
+      throw Ended{std::move(problem)};
+    }
     throw Error(std::move(problem));
   }
   if (task.until_met) task.measured.reset();

@@ -116,6 +116,63 @@ TEST(Moves, OneRobotCannotMakeTwoMovesTogether) {
   EXPECT_EQ(run.cell().program()->status().problem->where.line, 4);
 }
 
+/// What a program of two robots says at its end: for each of two rounds the error of its `together`, which
+/// has these two statements, and joint 1 of both robots after the moves behind it, in degrees.
+std::string after_a_failure(const std::string& first, const std::string& second) {
+  const test::Folder folder;
+  const std::string urdf = std::string(POLYARM_SOURCE_DIR) + "/examples/r6bot/r6bot.urdf";
+  folder.write("go.script",
+               "let ready = joints(0, -30deg, 60deg, 0, 60deg, 0)\n"
+               "func ahead(name, z)\n"
+               "  use robot name\n"
+               "  return offset(fk(ready), z = z)\n"
+               "end\n"
+               "let third = length(split(\"a,b,c\", \",\"))\n"
+               "let said = \"\"\n"
+               "movej ready, robot left\n"
+               "movej ready, robot right\n"
+               "for round in 1 .. 2\n"
+               "  try\n"
+               "    together\n"
+               "      " +
+                   first +
+                   "\n"
+                   "      " +
+                   second +
+                   "\n"
+                   "    end\n"
+                   "  on error e\n"
+                   "    set said = said + \"{e.kind} {e.line}, \"\n"
+                   "  end\n"
+                   "  movej joints(round * 10deg, -30deg, 60deg, 0, 60deg, 0), robot left\n"
+                   "  movej joints(round * 20deg, -30deg, 60deg, 0, 60deg, 0), robot right\n"
+                   "  use robot left\n"
+                   "  let q = here_joints()\n"
+                   "  use robot right\n"
+                   "  let p = here_joints()\n"
+                   "  set said = said + \"{round(q.joint_1 / 1deg)} {round(p.joint_1 / 1deg)}; \"\n"
+                   "end\n"
+                   "raise said\n");
+  folder.write("cell.yaml", "polyarm: cell/1\nrobots:\n  left: {model: " + urdf +
+                                ", hardware: mock}\n  right: {model: " + urdf +
+                                ", at: [0, 2, 0], hardware: mock}\nprogram: go\n");
+  LockStepCell run(cell::read_cell_file(folder.path()));
+  while (!run.cell().program()->ended() && run.cell().loop().cycle().time < nanoseconds(60.0)) run.tick();
+  const Problem why = run.cell().program()->status().problem.value_or(Problem{});
+  return run.cell().program()->ended() ? why.what : "still waits";
+}
+
+// Of robots in step, one cannot move: the others must not wait for it, and the program can go on with all.
+TEST(Moves, AFailureOfOneInStepIsTheErrorOfAllAndEndsWithIt) {
+  const std::string good = R"(movel ahead("left", 20mm), robot left, speed 100mm/s)";
+  for (const std::string bad :
+       {R"(movel ahead("right", 5m), robot right)", "movej [ready][third], robot right"}) {
+    const std::string kind = bad.starts_with("movel") ? "unreachable" : "value";
+    EXPECT_EQ(after_a_failure(good, bad), kind + " 14, 10 20; " + kind + " 14, 20 40; ") << bad;
+    EXPECT_EQ(after_a_failure(bad, good), kind + " 13, 10 20; " + kind + " 13, 20 40; ") << bad;
+  }
+}
+
 TEST(Moves, AProgramThatLeavesTheWorkspaceFailsAtItsLineBeforeItMoves) {
   const test::Folder folder;
   LockStepCell run(with_program(folder,

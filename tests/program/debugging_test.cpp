@@ -185,6 +185,20 @@ TEST(Debugging, AStopIsNoErrorOfTheProgram) {
   EXPECT_EQ(interpreter.overview().problem->code, "discarded");
 }
 
+TEST(Debugging, AStopIsNoErrorOfThePartsOfATogether) {
+  for (const char* parts : {"movej A, robot left\nmovej A, robot right\n", "movej A\nwait 1s\n"}) {
+    FakeHost host;
+    host.store.declare_tag("A", data::Point{});
+    Interpreter interpreter(
+        parsed(std::string("try\ntogether\n") + parts + "end\non error\nlog(\"handled\")\nend\n"), host);
+    interpreter.step(100);
+    host.dropped = true;
+    EXPECT_EQ(run(interpreter, host).state, TaskState::failed) << parts;
+    EXPECT_TRUE(host.logs.empty()) << parts;
+    EXPECT_EQ(interpreter.overview().problem->code, "discarded") << parts;
+  }
+}
+
 TEST(Motion, QueuesNoMoreThanThereIsRoomFor) {
   FakeHost host;
   host.room = 3;
