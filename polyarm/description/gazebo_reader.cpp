@@ -8,6 +8,8 @@ namespace polyarm::description {
 
 void GazeboReader::finish(RobotModel& model) {
   for (const Element* e : elements_) apply(*e, model);
+  for (const Problem& fault : faults_.list())
+    warnings_.warning(fault.code, fault.where, fault.what + "; it is ignored", fault.advice);
   if (!weightless_.empty())
     warnings_.warning("gazebo", first_weightless_,
                       "<gazebo> turns gravity off for " + join(weightless_, ", ") +
@@ -58,7 +60,7 @@ void GazeboReader::controllers(const Element& plugin, RobotModel& model) {
 bool GazeboReader::whole_robot(const Element& e, RobotModel& model) {
   const std::string_view tag = e.Name();
   if (tag != "self_collide" && tag != "selfCollide") return false;
-  const auto value = boolean_inside(e);
+  const auto value = choice(e);
   for (Link& l : model.links)
     if (!l.contact.self_collide) l.contact.self_collide = value;
   return true;
@@ -71,7 +73,7 @@ bool GazeboReader::link(const Element& e, Link& link) {
   else if (tag == "mu2")
     link.contact.mu2 = amount(e);
   else if (tag == "selfCollide" || tag == "self_collide")
-    link.contact.self_collide = boolean_inside(e);
+    link.contact.self_collide = choice(e);
   else if (tag == "gravity" || tag == "turnGravityOff")
     gravity(e, link, tag == "gravity");
   else
@@ -81,7 +83,7 @@ bool GazeboReader::link(const Element& e, Link& link) {
 
 /// Links without gravity are not simulated.
 void GazeboReader::gravity(const Element& e, const Link& link, bool off_by) {
-  const auto value = boolean_inside(e);
+  const auto value = choice(e);
   if (!value || *value == off_by) return;
   if (weightless_.empty()) first_weightless_ = at(e);
   weightless_.push_back(link.name);
@@ -110,6 +112,11 @@ std::optional<double> GazeboReader::amount(const Element& e) {
   if (!out || *out >= 0) return out;
   error(e, "bad-number", std::string("<") + e.Name() + "> is " + format_number(*out) + ", below zero");
   return std::nullopt;
+}
+
+/// True or false, inside the element or in its attribute `value`.
+std::optional<bool> GazeboReader::choice(const Element& e) {
+  return e.Attribute("value") ? boolean(e, "value") : boolean_inside(e);
 }
 
 void GazeboReader::pass_over(const Element& e) {

@@ -5,11 +5,11 @@
 
 namespace polyarm::description {
 
-/// Reads friction, self-collision and damping; lists the other elements once.
+/// Reads friction, self-collision and damping; lists the other elements once. A value that cannot be read is
+/// left out with a warning: these elements are for a simulator, and kinematics works without them.
 class GazeboReader : private XmlReader {
  public:
-  GazeboReader(const std::string& file, Problems& problems, Problems& warnings)
-      : XmlReader(file, problems, warnings) {}
+  GazeboReader(const std::string& file, Problems& warnings) : XmlReader(file, faults_, warnings) {}
 
   /// Call it for each <gazebo>, before or after links and joints. The elements must live until finish().
   void add(const Element& e) { elements_.push_back(&e); }
@@ -24,8 +24,10 @@ class GazeboReader : private XmlReader {
   void gravity(const Element& e, const Link& link, bool off_by);
   bool joint(const Element& e, Joint& joint);
   std::optional<double> amount(const Element& e);
+  std::optional<bool> choice(const Element& e);
   void pass_over(const Element& e);
 
+  Problems faults_;  ///< values that cannot be read
   std::vector<const Element*> elements_;
   std::vector<std::string> passed_over_;  ///< "<plugin> (line 12)", the first element of each ignored tag
   std::vector<std::string> tags_;

@@ -24,7 +24,7 @@ class UrdfReader : private XmlReader {
       : XmlReader(file, problems, warnings),
         options_(options),
         control_(file, hardware_faults_, warnings),
-        gazebo_(file, problems, warnings) {}
+        gazebo_(file, warnings) {}
 
   RobotModel read(std::string_view text) {
     tinyxml2::XMLDocument document;

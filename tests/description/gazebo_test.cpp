@@ -113,17 +113,30 @@ TEST(Gazebo, WarnsOfNamesThatAreNotThere) {
   EXPECT_TRUE(has(warnings.list()[0].text(), "did you mean 'elbow'"));
 }
 
-TEST(Gazebo, RefusesValuesThatAreNone) {
+TEST(Gazebo, LeavesOutValuesThatAreNone) {
   for (const char* bad : {"<mu1>slippery</mu1>", "<mu1>-1</mu1>", "<mu2 value=\"\"/>", "<mu1/>",
-                          "<selfCollide>perhaps</selfCollide>"}) {
-    try {
-      Problems warnings;
-      read(std::string("\n<gazebo reference=\"arm\">\n") + bad + "</gazebo>\n", warnings);
-      FAIL() << bad;
-    } catch (const Error& e) {
-      EXPECT_EQ(e.problems().at(0).where.line, 7) << e.what();
-    }
+                          "<selfCollide>perhaps</selfCollide>", "<turnGravityOff value=\"no\"/>"}) {
+    Problems warnings;
+    const RobotModel model =
+        read(std::string("\n<gazebo reference=\"arm\">\n") + bad + "</gazebo>\n", warnings);
+    EXPECT_FALSE(model.links[1].contact.mu1) << bad;
+    EXPECT_FALSE(model.links[1].contact.self_collide) << bad;
+    ASSERT_EQ(warnings.list().size(), 1u) << bad;
+    EXPECT_EQ(warnings.list()[0].severity, Severity::warning) << bad;
+    EXPECT_EQ(warnings.list()[0].where.line, 7) << bad;
+    EXPECT_TRUE(has(warnings.list()[0].text(), "; it is ignored")) << warnings.list()[0].text();
   }
+}
+
+TEST(Gazebo, ReadsBooleansInTheAttributeValue) {
+  EXPECT_EQ(read("<gazebo reference=\"arm\"><selfCollide value=\"true\"/></gazebo>\n")
+                .links[1]
+                .contact.self_collide,
+            true);
+  Problems warnings;
+  read("<gazebo reference=\"arm\"><turnGravityOff value=\"true\"/></gazebo>\n", warnings);
+  ASSERT_EQ(warnings.list().size(), 1u);
+  EXPECT_TRUE(has(warnings.list()[0].text(), "turns gravity off for arm")) << warnings.list()[0].text();
 }
 
 TEST(GazeboFuzz, DamagedTextEndsInAModelOrAnError) {
