@@ -73,6 +73,7 @@ class LaunchReader : private PythonReader, private LaunchActions {
 
   Value unassigned(const std::string& name) override {
     if (name == "os.sep" || name == "os.path.sep") return Value::of("/");
+    if (name.ends_with(".launch_configurations")) return configurations();
     if (name == "None") return Value::of("none");
     return name == "__file__" ? Value::of(path_.string()) : Value{};
   }
@@ -85,6 +86,8 @@ class LaunchReader : private PythonReader, private LaunchActions {
 
   Value method(Value value, const std::string& name, const Arguments* a, const Location& where) override {
     if (value.kind == Value::Kind::builder) return a ? builder_method(std::move(value), name, *a) : Value{};
+    if (a && name.starts_with("perform_substitution")) return performed(name, *a);
+    if (!a && name == "launch_configurations") return configurations();
     if (!a) return part_of_path(value, name);
     static const std::set<std::string> kSame = {"perform", "as_posix", "toxml",    "resolve",    "strip",
                                                 "items",   "copy",     "absolute", "expanduser", "as_string",
@@ -107,6 +110,9 @@ class LaunchReader : private PythonReader, private LaunchActions {
       const Value* name = a.first_or("variable_name");
       return name ? argument(flat(*name), a.find("default")) : Value{};
     }
+    if (function.starts_with("perform_substitution")) return performed(function, a);
+    if (whole.ends_with(".launch_configurations.get") && !a.values.empty())
+      return argument(flat(a.values.front()), a.second_or("default"));
     if (function == "DeclareLaunchArgument") declare(a);
     if (function == "SetLaunchConfiguration") set(a);
     if (function == "FindExecutable") return own_argument(a, "name");
@@ -201,6 +207,23 @@ class LaunchReader : private PythonReader, private LaunchActions {
       return Value::of(*declared->second.value);
     if (fallback && fallback->kind == Value::Kind::text) return *fallback;
     return has_gap(name) ? Value::gap() : Value::gap_of(name);
+  }
+
+  /// context.launch_configurations
+  Value configurations() const {
+    Value out;
+    out.kind = Value::Kind::map;
+    for (const auto& [name, value] : given_) out.entries.emplace_back(name, Value::of(value));
+    for (const std::string& name : order_)
+      if (!given_.contains(name)) out.entries.emplace_back(name, argument(name, nullptr));
+    out.weight += out.entries.size();
+    return out;
+  }
+
+  /// context.perform_substitution(VALUE), perform_substitutions(context, VALUES)
+  static Value performed(const std::string& function, const Arguments& a) {
+    if (function == "perform_substitution") return own_argument(a, "sub");
+    return a.values.size() == 2 ? Value::of(flat(a.values[1])) : Value{};
   }
 
   void declare(const Arguments& a) {

@@ -10,6 +10,9 @@ namespace polyarm::ros_files::python {
 
 namespace {
 
+/// The action of a launch file that calls a function with the launch context and more arguments.
+constexpr const char* kCaller = "OpaqueFunction";
+
 Value sum(const Value& a, const Value& b) {
   if (a.kind == Value::Kind::list && b.kind == Value::Kind::list) {
     if (a.weight + b.weight > kHeaviest) return {};
@@ -62,8 +65,10 @@ Known known(const Value& value) {
 PythonReader::PythonReader(std::string_view text, std::string file) : file_{std::move(file)}, main_{text} {
   for (std::size_t i = 0; i + 1 < main_.tokens.size(); ++i) {
     const bool defined = i > 0 && main_.tokens[i - 1].text == "def";
-    if (main_.tokens[i].kind == PythonToken::Kind::name && main_.tokens[i + 1].text == "(" && !defined)
-      called_.insert(main_.tokens[i].text);
+    if (main_.tokens[i].kind != PythonToken::Kind::name || main_.tokens[i + 1].text != "(" || defined)
+      continue;
+    called_.insert(main_.tokens[i].text);
+    if (main_.tokens[i].text == kCaller) called_.insert(function_given(i + 1));
   }
 }
 
@@ -322,10 +327,15 @@ Value PythonReader::called(const std::string& whole, const std::string& last, co
     at_ = std::min(source_->close[at_] + 1, source_->tokens.size());
     return {};
   }
+  const std::size_t open = at_;
   Arguments arguments;
   {
     const Unsure unsure(unsure_, condition != "true");
     arguments = called_with(depth + 1);
+  }
+  if (last == kCaller) {
+    const Unsure unsure(unsure_, condition != "true");
+    call_given(function_given(open), arguments, depth);
   }
   if (const auto value = function_of_python(last, arguments)) return *value;
   const auto function = functions_.find(last);
@@ -333,6 +343,34 @@ Value PythonReader::called(const std::string& whole, const std::string& last, co
   const Value out = run(function->second, arguments, depth);
   const Value other = call(whole, last, arguments, where);
   return out.kind == Value::Kind::unknown ? other : out;
+}
+
+/// NAME of `function=NAME` in the call that opens at the token `open`; empty if there is none.
+std::string PythonReader::function_given(std::size_t open) const {
+  const auto& tokens = source_->tokens;
+  const std::size_t end = std::min(source_->close[open], tokens.size());
+  for (std::size_t i = open + 1; i + 2 < end; ++i) {
+    const bool sign = tokens[i].kind == PythonToken::Kind::sign;
+    if (tokens[i].text == "function" && tokens[i + 1].text == "=" &&
+        tokens[i + 2].kind == PythonToken::Kind::name)
+      return tokens[i + 2].text;
+    if (sign && (tokens[i].text == "(" || tokens[i].text == "[" || tokens[i].text == "{"))
+      i = source_->close[i];
+  }
+  return {};
+}
+
+/// Reads the function for OpaqueFunction(function=NAME, args=[…], kwargs={…}). The launch context, its first
+/// argument, has no value.
+void PythonReader::call_given(const std::string& name, const Arguments& given, int depth) {
+  const auto function = functions_.find(name);
+  if (function == functions_.end()) return;
+  Arguments arguments;
+  arguments.values.emplace_back();
+  if (const Value* more = given.find("args"))
+    arguments.values.insert(arguments.values.end(), more->items.begin(), more->items.end());
+  if (const Value* named = given.find("kwargs")) arguments.named = named->entries;
+  run(function->second, arguments, depth);
 }
 
 /// The value of condition= in the call; "true" if there is none.

@@ -121,6 +121,8 @@ class PythonReader {
   Value followed(Value value, int depth);
   Value indexed(const Value& value, int depth);
   Value called(const std::string& whole, const std::string& last, const Location& where, int depth);
+  std::string function_given(std::size_t open) const;
+  void call_given(const std::string& name, const Arguments& given, int depth);
   std::string condition_ahead(int depth);
   Arguments called_with(int depth);
 

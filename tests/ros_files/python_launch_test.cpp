@@ -76,6 +76,59 @@ TEST(PythonLaunch, ValuesFromOutsideGoBeforeDefaults) {
   EXPECT_TRUE(launch.arguments.at(0).given);
 }
 
+// Functions that launch itself calls get the launch context, and the values that OpaqueFunction names.
+TEST(PythonLaunch, FollowsTheValuesThatAnOpaqueFunctionPasses) {
+  const PythonLaunch launch = read(R"(
+def description_of(context, package, file, fake):
+    path = os.path.join(get_package_share_directory(context.perform_substitution(package)), "urdf",
+                        perform_substitutions(context, [file]))
+    return xacro.process_file(path, mappings={"fake": context.perform_substitution(fake)}).toprettyxml()
+
+def nodes(context: LaunchContext, package, file, fake, controllers):
+    text = description_of(context, package, file, fake)
+    name = context.perform_substitution(controllers)
+    return [Node(package="controller_manager", executable="ros2_control_node",
+                 parameters=[{"robot_description": text}, name])]
+
+def spawned(context, hand):
+    side = context.launch_configurations["side"]
+    other = context.launch_configurations.get("other", "none")
+    return [Node(package="controller_manager", executable="spawner",
+                 arguments=[side + "_arm", hand + "_" + context.launch_configurations["side"], other])]
+
+def generate_launch_description():
+    declared = [DeclareLaunchArgument("package", default_value="arm_bringup"),
+                DeclareLaunchArgument("file", default_value="arm.xacro"),
+                DeclareLaunchArgument("fake", default_value="true"),
+                DeclareLaunchArgument("side", default_value="left")]
+    controllers = PathJoinSubstitution([FindPackageShare("arm_bringup"), "config", "two.yaml"])
+    return LaunchDescription(declared + [
+        OpaqueFunction(function=nodes, args=[LaunchConfiguration("package"), LaunchConfiguration("file"),
+                                             LaunchConfiguration("fake"), controllers]),
+        TimerAction(period=1.0, actions=[OpaqueFunction(function=spawned, kwargs={"hand": "grip"})])])
+)");
+  ASSERT_EQ(launch.descriptions.size(), 1u);
+  EXPECT_EQ(launch.descriptions[0].file, "/ws/arm_bringup/urdf/arm.xacro");
+  EXPECT_EQ(launch.descriptions[0].arguments, (Pairs{{"fake", "true"}}));
+  ASSERT_EQ(launch.parameters.size(), 1u);
+  EXPECT_EQ(launch.parameters[0].file, "/ws/arm_bringup/config/two.yaml");
+  EXPECT_EQ(launch.spawned, (std::vector<std::string>{"left_arm", "grip_left", "none"}));
+  EXPECT_TRUE(launch.not_taken.empty()) << launch.not_taken.front().second;
+}
+
+TEST(PythonLaunch, AnOpaqueFunctionThatIsNotCalledIsNotRead) {
+  const PythonLaunch launch = read(R"(
+def spawned(context):
+    return [Node(package="controller_manager", executable="spawner", arguments=["arm"])]
+def other(context):
+    return [Node(package="controller_manager", executable="spawner", arguments=["grip"])]
+LaunchDescription([OpaqueFunction(function=spawned, condition=IfCondition("false")),
+                   OpaqueFunction(function=other, condition=UnlessCondition("false")),
+                   OpaqueFunction(function=nowhere, args=[1])])
+)");
+  EXPECT_EQ(launch.spawned, (std::vector<std::string>{"grip"}));
+}
+
 TEST(PythonLaunch, KnowsTheOtherWaysToNameFiles) {
   const auto file = [](const std::string& expression) {
     const PythonLaunch launch =
