@@ -437,7 +437,12 @@ program::Handle ProgramMoves::start_arrival(const std::string& robot) {
     moves::RobotMotion* motion = arms_[i].robot.motion;
     if (!motion || (!robot.empty() && arms_[i].robot.robot->entry.name != robot)) continue;
     motion->close();
-    asked.push_back({i, 0, motion->newest_present()});
+    std::uint64_t last = motion->newest_present();  // moves before one that failed may be under way
+    const auto arrives = [&](moves::MoveState state) {
+      return state == moves::MoveState::running || state == moves::MoveState::done;
+    };
+    while (last > 0 && !arrives(motion->state_of(last))) --last;
+    asked.push_back({i, 0, last});
   }
   asked_[++last_handle_] = std::move(asked);
   return last_handle_;

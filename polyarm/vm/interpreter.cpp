@@ -325,6 +325,16 @@ Value as_value(const Problem& problem, const std::string& robot) {
                       {Value(kind_of(problem.code)), Value(problem.what),
                        Value(static_cast<double>(problem.where.line)), Value(robot)}};
 }
+
+/// Robots that still execute moves of `from` belong to `to` from now on, whose lines wait for them as usual.
+template <typename Task>
+void keep_robots(const Host& host, const Task& from, Task& to) {
+  std::vector<std::string> robots = from.robots;
+  for (const auto& move : from.moves)
+    if (host.under_way(move.handle)) robots.push_back(move.robot);
+  for (const std::string& robot : robots)
+    if (std::find(to.robots.begin(), to.robots.end(), robot) == to.robots.end()) to.robots.push_back(robot);
+}
 }  // namespace
 
 void Interpreter::raise(Task& task, Problem problem, bool catchable) {
@@ -338,12 +348,14 @@ void Interpreter::raise(Task& task, Problem problem, bool catchable) {
   task.deadline.reset();
   task.met = false;
   for (auto& [name, come] : meetings_) std::erase(come, task.id);
+  keep_robots(host_, task, task);
   if (catchable && !task.handlers.empty()) {
     host_.caught(problem);
     return unwind(task, problem);
   }
-  Task* parent = catchable || !task.parent ? nullptr : task_of(task.parent);
-  if (parent && !parent->over()) {  // no handler around its `together` sees it, either
+  Task* parent = task.parent ? task_of(task.parent) : nullptr;
+  if (parent) keep_robots(host_, task, *parent);
+  if (!catchable && parent && !parent->over()) {  // no handler around its `together` sees it, either
     task.state = TaskState::failed;
     give_back_locks(task, 0);
     return raise(*parent, std::move(problem), false);
@@ -412,6 +424,7 @@ void Interpreter::end_children(std::uint64_t parent) {
     end_watched_move(*task);
     give_back_locks(*task, 0);
     end_children(task->id);
+    if (Task* whole = task_of(parent)) keep_robots(host_, *task, *whole);
   }
 }
 

@@ -281,7 +281,7 @@ void Interpreter::move(Task& task, const Step& step) {
   }
   const Handle handle = host_.start_move(move, program_.at(source(step).line));
   forget_arrived(task);
-  task.moves.push_back({handle, source(step).line, task.passes});
+  task.moves.push_back({handle, source(step).line, task.passes, move.robot});
   std::size_t next = first + s.arguments.size();
   for (const Clause& clause : s.clauses) {
     if (clause.kind == Clause::Kind::at) {

@@ -45,6 +45,7 @@ struct Interpreter::Task {
     Handle handle = 0;
     Place line;
     std::uint64_t passes = 0;  ///< completed when it was requested
+    std::string robot;
   };
   std::deque<Asked> moves;              ///< that may not have arrived, in program order
   std::optional<Nanoseconds> deadline;  ///< of the present wait

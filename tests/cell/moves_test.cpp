@@ -173,6 +173,26 @@ TEST(Moves, AFailureOfOneInStepIsTheErrorOfAllAndEndsWithIt) {
   }
 }
 
+// A handler begins while the moves before the error are still under way; what needs rest waits for them.
+TEST(Moves, AHandlerWaitsForTheRobotWhereItNeedsItAtRest) {
+  const std::string away = "movej joints(50deg, -30deg, 60deg, 0, 60deg, 0), speed 20%\n";
+  for (const std::string& failing :
+       {away + "movel offset(fk(ready), z = 5m)\nwait 10ms\n", away + "moveto offset(fk(ready), z = 5m)\n",
+        away + "raise \"no\"\n", "together\n" + away + "raise \"no\"\nend\n",
+        "together\nif true\n" + away + "movel offset(fk(ready), z = 5m)\nend\nwait 1ms\nend\n",
+        "together\nwait 5s\ntogether\nwait 5s\n" + away + "raise \"no\"\nend\nend\n"}) {
+    const test::Folder folder;
+    LockStepCell run(with_program(folder,
+                                  "let ready = joints(0, -30deg, 60deg, 0, 60deg, 0)\nmovej ready\ntry\n" +
+                                      failing +
+                                      "on error e\n  let q = here_joints()\n"
+                                      "  raise \"at {round(q.joint_1 / 1deg)}\"\nend\n",
+                                  ""));
+    while (!run.cell().program()->ended() && run.cell().loop().cycle().time < nanoseconds(30.0)) run.tick();
+    EXPECT_EQ(run.cell().program()->status().problem.value_or(Problem{}).what, "at 50") << failing;
+  }
+}
+
 TEST(Moves, AProgramThatLeavesTheWorkspaceFailsAtItsLineBeforeItMoves) {
   const test::Folder folder;
   LockStepCell run(with_program(folder,
