@@ -25,6 +25,7 @@ void JointTrajectoryController::begin_forward(const Cycle& cycle) noexcept {
   std::fill(leader_.begin(), leader_.end(), 0);
   forward_sent_ = 0;
   forward_ends_ = false;
+  status_.time.store(0, std::memory_order_relaxed);  // not that of the goal before
   status_.active.store(goal->id, std::memory_order_release);
   status_.started_cycle.store(cycle.index + 1, std::memory_order_release);
 }

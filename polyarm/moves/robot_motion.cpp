@@ -28,6 +28,14 @@ void end_here(Move& move) {
   move.through = false;
 }
 
+/// s into the motion with this goal: 0 until the controller has begun it, as its status is that of the goal
+/// before.
+double time_of(const controllers::GoalStatus& status, std::uint64_t goal) {
+  const bool begun = status.active.load(std::memory_order_acquire) == goal ||
+                     status.finished.load(std::memory_order_acquire) >= goal;
+  return begun ? status.time.load(std::memory_order_relaxed) : 0;
+}
+
 /// A joint move that is not faster than `move`, and goes around obstacles if it does.
 Move paced_like(const Move& move) {
   Move out;
@@ -450,8 +458,13 @@ std::optional<RobotMotion::UnderWay> RobotMotion::under_way() const {
   if (goal_ == 0) return std::nullopt;
   const controllers::GoalStatus& status = controller_.status();
   const bool begun = status.active.load(std::memory_order_acquire) == goal_;
-  return UnderWay{&active_.motion, &facts(active_.with), goal_, status.time.load(std::memory_order_relaxed),
-                  status.speed.load(std::memory_order_relaxed), begun, active_.step.get()};
+  return UnderWay{&active_.motion,
+                  &facts(active_.with),
+                  goal_,
+                  time_of(status, goal_),
+                  status.speed.load(std::memory_order_relaxed),
+                  begun,
+                  active_.step.get()};
 }
 
 void RobotMotion::set_pace(double share) {
@@ -462,8 +475,7 @@ std::uint64_t RobotMotion::move_under_way() const {
   if (goal_ == 0) return idle() ? 0 : settled_ + 1;
   const PlannedMotion& motion = active_.motion;
   std::size_t hint = 0;
-  const double s =
-      motion.path.profile().at(controller_.status().time.load(std::memory_order_relaxed), hint).s;
+  const double s = motion.path.profile().at(time_of(controller_.status(), goal_), hint).s;
   const auto end = std::lower_bound(motion.ends.begin(), motion.ends.end(), s);
   return std::min(active_.first_id + static_cast<std::uint64_t>(end - motion.ends.begin()), active_.last_id);
 }
@@ -471,8 +483,7 @@ std::uint64_t RobotMotion::move_under_way() const {
 Travel RobotMotion::travel(std::uint64_t first, std::uint64_t last) const {
   Travel out;
   if (last <= settled_) return out;
-  if (goal_ != 0)
-    add_travel(active_, controller_.status().time.load(std::memory_order_relaxed), first, last, out);
+  if (goal_ != 0) add_travel(active_, time_of(controller_.status(), goal_), first, last, out);
   for (const Ready& ready : ready_) add_travel(ready, 0, first, last, out);
   const std::uint64_t planned = !ready_.empty() ? ready_.back().last_id
                                 : goal_ != 0    ? active_.last_id

@@ -3,7 +3,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
 #include <string>
+#include <tuple>
 #include <vector>
 
 #include "polyarm/cell/rehearsal.hpp"
@@ -114,6 +116,32 @@ TEST(Moves, OneRobotCannotMakeTwoMovesTogether) {
   ASSERT_TRUE(run.cell().program()->status().problem);
   EXPECT_EQ(run.cell().program()->status().problem->code, "two-moves");
   EXPECT_EQ(run.cell().program()->status().problem->where.line, 4);
+}
+
+// Values that are set on the way, by time and by length from the start and from the end, in the second of two
+// moves.
+TEST(Moves, WhatIsSetOnTheWayIsSetThere) {
+  for (const auto& [at, least, most] : {std::tuple{"start + 300ms", 0.29, 0.32},
+                                        {"start + 40mm", 0.39, 0.52},
+                                        {"end - 500ms", 0.55, 0.75},
+                                        {"end - 20mm", 0.75, 0.95}}) {
+    const test::Folder folder;
+    folder.write("go.script",
+                 std::string("movej joints(0, -30deg, 60deg, 0, 60deg, 0)\n"
+                             "let from = here()\nset Set = false\nlet begin = clock()\nlet passed = 0s\n"
+                             "when Set\n  set passed = clock() - begin\nend\n"
+                             "movel offset(from, z = -100mm), speed 100mm/s, at ") +
+                     at + " set Set = true\nwait 1ms\nraise \"{passed / 1s}\"\n");
+    folder.write("signals.yaml", "polyarm: signals/1\ntags:\n  Set: {initial: false}\n");
+    folder.write("cell.yaml",
+                 "polyarm: cell/1\nrobots:\n  arm: {model: " + std::string(POLYARM_SOURCE_DIR) +
+                     "/examples/r6bot/r6bot.urdf, hardware: mock}\nprogram: go\nsignals: signals.yaml\n");
+    LockStepCell run(cell::read_cell_file(folder.path()));
+    while (!run.cell().program()->ended() && run.cell().loop().cycle().time < nanoseconds(30.0)) run.tick();
+    const std::string said = run.cell().program()->status().problem.value_or(Problem{}).what;
+    EXPECT_GE(std::atof(said.c_str()), least) << at << ": " << said;
+    EXPECT_LE(std::atof(said.c_str()), most) << at << ": " << said;
+  }
 }
 
 /// What a program of two robots says at its end: for each of two rounds the error of its `together`, which

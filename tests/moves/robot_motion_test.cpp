@@ -423,6 +423,24 @@ TEST(RobotMotion, TellsHowFarAMoveHasCome) {
   EXPECT_EQ(rig.motion->travel(id, id).left, 0);
 }
 
+// The status of the controller is that of the motion before until it begins the next one.
+TEST(RobotMotion, AMoveThatHasNotBegunHasComeNowhere) {
+  Rig rig;
+  rig.motion->queue(line(shifted(rig.start(), {0, 0, 0.1}), "up"));
+  const auto back = rig.motion->queue(line(rig.start(), "back"));
+  double before = 0;
+  for (int i = 0; i < 20000 && !rig.motion->idle(); ++i) {
+    rig.motion->tick(rig.controller.time());
+    const Travel travel = rig.motion->travel(back, back);
+    if (rig.motion->state_of(back) != MoveState::running) break;
+    EXPECT_LE(travel.elapsed, before + 0.003) << "in cycle " << i;
+    EXPECT_LE(rig.motion->move_under_way(), back);
+    before = travel.elapsed;
+    rig.controller.update();
+  }
+  EXPECT_GT(before, 0.1);
+}
+
 TEST(RobotMotion, MovesInStepBeginAndEndTogether) {
   Rig left, right;
   const auto step = std::make_shared<InStep>(2);
