@@ -85,8 +85,12 @@ std::optional<double> parse_number(std::string_view s) {
 }
 
 std::string format_number(double value) {
+  constexpr double kSmall = 1e-4, kLarge = 1e15;  // an exponent only beyond them: 100000, not 1e+05
+  const double size = std::abs(value);
   char text[32];
-  const auto result = std::to_chars(text, text + sizeof text, value);
+  const auto result = size >= kSmall && size < kLarge
+                          ? std::to_chars(text, text + sizeof text, value, std::chars_format::fixed)
+                          : std::to_chars(text, text + sizeof text, value);
   return {text, result.ptr};
 }
 

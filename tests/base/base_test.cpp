@@ -123,6 +123,20 @@ TEST(Text, NumbersGoThereAndBackExactly) {
   }
 }
 
+TEST(Text, NumbersHaveAnExponentOnlyWhereDigitsWouldBeMany) {
+  for (const auto& [value, text] :
+       std::initializer_list<std::pair<double, const char*>>{{100000, "100000"},
+                                                             {-300000, "-300000"},
+                                                             {1e9, "1000000000"},
+                                                             {123456789012345, "123456789012345"},
+                                                             {0.0001, "0.0001"},
+                                                             {0.00015, "0.00015"},
+                                                             {1e15, "1e+15"},
+                                                             {1e-5, "1e-05"},
+                                                             {0, "0"}})
+    EXPECT_EQ(format_number(value), text);
+}
+
 TEST(File, IsReplacedWholeAndLeavesNothingBeside) {
   const auto folder =
       std::filesystem::temp_directory_path() / ("polyarm_file_test" + std::to_string(::getpid()));

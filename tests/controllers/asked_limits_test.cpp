@@ -138,10 +138,16 @@ TEST(RequestedLimits, EveryControllerOfNumbersRefuses) {
   };
   const Case kCases[] = {
       {"forward_command_controller/ForwardCommandController", {}, 1.5, 100, "a position of 100"},
-      {"forward_command_controller/ForwardCommandController", {{"interface_name", {"velocity"}}}, 4, 1e308,
+      {"forward_command_controller/ForwardCommandController",
+       {{"interface_name", {"velocity"}}},
+       4,
+       1e308,
        "a velocity of 1e+308"},
-      {"forward_command_controller/ForwardCommandController", {{"interface_name", {"effort"}}}, 60, -1e9,
-       "an effort of -1e+09"},
+      {"forward_command_controller/ForwardCommandController",
+       {{"interface_name", {"effort"}}},
+       60,
+       -1e9,
+       "an effort of -1000000000"},
       {"velocity_controllers/JointPositionController", {{"pid.p", {"1"}}}, 1.5, 2.1, "a position of 2.1"},
       {"effort_controllers/JointVelocityController", {{"pid.p", {"1"}}}, 2, 40, "a velocity of 40"},
   };
