@@ -104,6 +104,8 @@ void Compiler::try_block(const Statement& s) {
   const int skip = add(Op::jump, s.place);
   land(begin);
   handler.error_slot = declare(s.name);
+  code_.depths.push_back(depths());  // gives back the locks of the body, when the robots have arrived
+  add(Op::leave, s.handler_place, {.a = static_cast<int>(code_.depths.size()) - 1, .b = depths().locals});
   scope_.handlers.push_back(handler);
   compile_block(s.handler);
   scope_.handlers.pop_back();

@@ -10,15 +10,29 @@
 /// Steps that control the flow: loops, functions, errors, tasks.
 namespace polyarm::program {
 
+namespace {
+/// True if this leaves a `lock` or a `try`, whose robots must have arrived: the place of a lock is still
+/// theirs, and a move that fails belongs to its `try`.
+template <typename Task>
+bool leaves_block(Task& task, const Depths& to) {
+  const CallFrame& frame = task.frame();
+  return task.locks.size() > frame.locks + static_cast<std::size_t>(to.locks) ||
+         task.handlers.size() > frame.handlers + static_cast<std::size_t>(to.handlers);
+}
+}  // namespace
+
 void Interpreter::execute_flow(Task& task, const Step& step) {
   const auto target = static_cast<std::size_t>(step.d);
   switch (step.op) {
     case Op::for_begin:
       begin_for(task, step);
       break;
-    case Op::leave:
-      leave(task, at(code_.depths, step.a), step.b);
+    case Op::leave: {
+      const Depths& to = at(code_.depths, step.a);
+      if (leaves_block(task, to) && !arrived(task)) return;
+      leave(task, to, step.b);
       break;
+    }
     case Op::pass:
       return end_pass(task, step);
     case Op::try_begin:
@@ -191,6 +205,7 @@ void Interpreter::end_pass(Task& task, const Step& step) {
 }
 
 void Interpreter::retry(Task& task, const Step& step) {
+  if (leaves_block(task, at(code_.depths, step.c)) && !arrived(task)) return;
   const Value most = take_value(task, step.b, step);
   const data::Number* n = most.as_number();
   if (!n || n->dimension != Dimension::none)

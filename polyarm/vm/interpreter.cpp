@@ -335,6 +335,18 @@ void keep_robots(const Host& host, const Task& from, Task& to) {
   for (const std::string& robot : robots)
     if (std::find(to.robots.begin(), to.robots.end(), robot) == to.robots.end()) to.robots.push_back(robot);
 }
+
+/// While robots of a part of `together` still move, its locks belong to the task of the `together`.
+template <typename Task>
+void keep_locks(std::map<std::string, std::uint64_t>& owners, Task& from, Task& to) {
+  if (to.robots.empty()) return;
+  for (const std::string& name : from.locks)
+    if (const auto owner = owners.find(name); owner != owners.end() && owner->second == from.id) {
+      owner->second = to.id;
+      to.locks.push_back(name);
+    }
+  from.locks.clear();
+}
 }  // namespace
 
 void Interpreter::raise(Task& task, Problem problem, bool catchable) {
@@ -357,6 +369,7 @@ void Interpreter::raise(Task& task, Problem problem, bool catchable) {
   if (parent) keep_robots(host_, task, *parent);
   if (!catchable && parent && !parent->over()) {  // no handler around its `together` sees it, either
     task.state = TaskState::failed;
+    keep_locks(locks_, task, *parent);
     give_back_locks(task, 0);
     return raise(*parent, std::move(problem), false);
   }
@@ -383,7 +396,8 @@ void Interpreter::unwind(Task& task, const Problem& problem) {
   task.stack.resize(task.frame().base + static_cast<std::size_t>(code_.registers));
   task.stack[handler.stack].fill(as_value(problem, robot));
   task.uses.resize(handler.uses);
-  give_back_locks(task, handler.locks);
+  if (task.robots.empty())
+    give_back_locks(task, handler.locks);  // else the handler does it when they have arrived
   task.pc = handler.step;
   task.state = TaskState::running;
   std::erase_if(task.moves, [&](const Task::Asked& move) { return host_.given_up(move.handle); });
@@ -408,8 +422,9 @@ void Interpreter::fail(Task& task, Problem problem) {
   if (problem.where.line == line.line && problem.where.file == line.file && !task.parent)
     problem.what += called_from(task);
   task.state = TaskState::failed;
-  give_back_locks(task, 0);
   Task* parent = task.parent ? task_of(task.parent) : nullptr;
+  if (parent && !parent->over()) keep_locks(locks_, task, *parent);
+  give_back_locks(task, 0);
   if (parent && !parent->over()) return raise(*parent, std::move(problem), true);
   task.problem = std::move(problem);
   end_program(TaskState::failed);
@@ -422,9 +437,12 @@ void Interpreter::end_children(std::uint64_t parent) {
     // A move in step would wait for ever for the part that has failed, or go on without it.
     if (task->step.members > 1 && !task->moves.empty()) task->measured = task->moves.front().handle;
     end_watched_move(*task);
-    give_back_locks(*task, 0);
     end_children(task->id);
-    if (Task* whole = task_of(parent)) keep_robots(host_, *task, *whole);
+    if (Task* whole = task_of(parent)) {
+      keep_robots(host_, *task, *whole);
+      keep_locks(locks_, *task, *whole);
+    }
+    give_back_locks(*task, 0);
   }
 }
 

@@ -75,6 +75,7 @@ class FakeHost : public Host {
             {"unreachable", each.where, "'" + each.move.targets.back().name + "' is out of reach", {}});
     return Progress::done();
   }
+  bool under_way(Handle handle) const override { return ends_.at(static_cast<std::size_t>(handle)) > time; }
   bool room_for_move(const std::string& robot) override {
     std::size_t open = 0;
     for (const Queued& each : queued) open += each.move.robot == robot && each.end > time;
