@@ -191,19 +191,45 @@ class Expander : private XacroTexts {
         into->SetAttribute(a->Name(), a->Value());
   }
 
+  /// True for an element of xacro without its prefix, as files from before ROS Noetic have. What is inside
+  /// <gazebo> or <ros2_control> belongs to others.
+  bool is_unprefixed(const XMLElement& e, const Frame& frame) {
+    const std::string tag = e.Name();
+    const auto has = [&](const char* name) {
+      const char* value = e.Attribute(name);
+      return value && *value;
+    };
+    const bool word = ((tag == "property" && has("name") && (has("value") || has("default"))) ||
+                       (tag == "macro" && has("name")) || (tag == "insert_block" && has("name")) ||
+                       ((tag == "if" || tag == "unless") && has("value")) ||
+                       (tag == "include" && has("filename") && !e.FirstChildElement()));
+    XacroScope* home = frame.scope;
+    const Macro* const called = word ? nullptr : find_macro(tag, home);
+    if (!word && !(called && std::string_view(called->body->Name()) == "macro")) return false;
+    for (const XMLNode* above = e.Parent(); above; above = above->Parent())
+      if (const std::string_view name = above->Value() ? above->Value() : "";
+          name == "gazebo" || name == "ros2_control")
+        return false;
+    if (unprefixed_.insert(tag).second)
+      warnings_.warning("xacro-prefix", {frame.file.string(), e.GetLineNum()},
+                        "<" + tag + "> has no prefix; it is read as <xacro:" + tag + ">",
+                        "write <xacro:" + tag + ">, which every release of xacro understands");
+    return true;
+  }
+
   void element(const XMLElement& e, XMLNode& out, Frame& frame) {
     if (++elements_ > kMostElements) fail("the expansion has too many elements");
     const Inside inside(*this, Step{frame.file, e.GetLineNum(), ""});
     pay(40);
     const std::string tag = e.Name();
-    if (!tag.starts_with("xacro:")) {
+    if (!tag.starts_with("xacro:") && !is_unprefixed(e, frame)) {
       XMLElement* made = output_.NewElement(e.Name());
       out.InsertEndChild(made);
       attributes(e, *made, frame);
       children(e, *made, frame);
       return;
     }
-    const std::string name = tag.substr(6);
+    const std::string name = tag.starts_with("xacro:") ? tag.substr(6) : tag;
     if (name == "property") return property(e, frame);
     if (name == "macro") return define(e, frame);
     if (name == "include") return include(e, out, frame);
@@ -479,6 +505,9 @@ class Expander : private XacroTexts {
         warnings_.warning("no-file", {frame.file.string(), e.GetLineNum()}, "no file matches '" + name + "'");
     } else if (fs::is_regular_file(path, error)) {
       files.push_back(path);
+    } else if (std::string_view(e.Name()) == "include") {  // without a prefix it may be the word of others
+      warnings_.warning("no-file", {frame.file.string(), e.GetLineNum()},
+                        "there is no file '" + path.string() + "' to include; the line is ignored");
     } else if (!optional) {
       fail("there is no file '" + path.string() + "' to include");
     }
@@ -505,6 +534,7 @@ class Expander : private XacroTexts {
   XMLDocument output_;
   std::vector<std::unique_ptr<XMLDocument>> documents_;
   std::size_t included_ = 0, elements_ = 0;
+  std::set<std::string> unprefixed_;  ///< tags that a warning has named
 };
 
 }  // namespace
