@@ -249,7 +249,8 @@ paths::PathSections path_of(const ros_files::JointTrajectoryFile& file, const Re
   bool metres = false;
   const double radius = radius_of(request.pace.blend, metres);
   auto points = ros_files::as_waypoints(file, radius);
-  if (!request.from.empty()) points.insert(points.begin(), {start_of(request, setting), radius, "--from"});
+  if (const bool given = !request.from.empty(); given || points.size() == 1)  // one point needs a start
+    points.insert(points.begin(), {start_of(request, setting), radius, given ? "--from" : "home"});
   paths::JointPathOptions options;
   if (metres) options.tcp_distance = moves::tcp_distance(setting.chain());
   for (const paths::JointWaypoint& p : points) moves::check_joints(setting.facts(), p.q, p.name);

@@ -304,7 +304,10 @@ ExpressionPtr TokenCursor::primary() {
   if (is_symbol("[")) return list(take());
   if (is_symbol("{")) return record(take());
   throw SyntaxError{"no-value", token.place, "a value was expected, here is " + shown(token),
-                    is_symbol("=") ? "write == to compare" : ""};
+                    is_symbol("=")   ? "write == to compare"
+                    : is_symbol("/") ? "a comment begins with #"
+                    : is_symbol("+") ? "count with `set N = N + 1`"
+                                     : ""};
 }
 
 /// [A, B, …] or [VALUE for X in LIST]

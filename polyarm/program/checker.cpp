@@ -585,8 +585,10 @@ class Checker {
       if (type.kind == Kind::number && type.dimension == Dimension::none) {
         error("bad-type", s.expression->place,
               "'wait' takes a condition or a time, here is a number without unit",
-              "write `wait time " + wait_number(*s.expression) + "` or `wait " + wait_number(*s.expression) +
-                  "s`");
+              bare_number(*s.expression)
+                  ? "write `wait time " + wait_number(*s.expression) + "` or `wait " +
+                        wait_number(*s.expression) + "s`"
+                  : "write `wait 1s`, or `wait " + spelled(*s.expression) + " > 0` for a condition");
       } else if (type.kind && type.kind != Kind::boolean && !may_be_time) {
         error("bad-type", s.expression->place,
               "the condition of 'wait' is " + described(type) + ", True or False was expected");

@@ -172,7 +172,9 @@ void Scope::declare(const std::string& name, Place place, Type type) {
   if (name.empty()) return;
   if (!is_own_name(name, place) && (local(name) || names.contains(name)))
     error("shadowing", place, "there is a '" + name + "' already" + where_made(name, place),
-          "choose another name, or change it with `set`");
+          local(name)
+              ? "choose another name, or change it with `set`"
+              : "it belongs to the data, the tags or the named states of the robot; choose another name");
   used.emplace(name, place);
   places_[name].push_back(variables.size());
   variables.push_back({name, type, place});

@@ -27,26 +27,31 @@ TEST(ProgramMistakes, AMissingOrWrongUnitIsShownAsItShouldBe) {
   struct Row {
     const char *line, *advice;
   };
-  for (const Row& row : {Row{"log(offset(A, z = 200))", "(a length needs a unit: write 200mm)"},
-                         Row{"log(offset(A, x = -0.2))", "(a length needs a unit: write -0.2m)"},
-                         Row{"log(offset(A, rz = 90))", "(an angle needs a unit: write 90deg)"},
-                         Row{"log(offset(A, rz = 20mm))", "(write an angle such as 30deg)"},
-                         Row{"log(pose(400, 0, 0))", "(a length needs a unit: write 400mm)"},
-                         Row{"movel A, blend 20", "(a length needs a unit: write 20mm)"},
-                         Row{"movel A, duration 2", "(a time needs a unit: write 2s)"},
-                         Row{"movel A, payload 3", "(a mass needs a unit: write 3kg)"},
-                         Row{"movel A, around 3", "(write `around true`)"},
-                         Row{"movel A, payload 3mm", "(write a mass such as 2kg)"},
-                         Row{"drive 500", "(a length needs a unit: write 500mm)"},
-                         Row{"turn 90", "(an angle needs a unit: write 90deg)"},
-                         Row{"log(20mm + 5)", "(a length needs a unit: write 5mm)"},
-                         Row{"log(5 < 20deg)", "(an angle needs a unit: write 5deg)"},
-                         Row{"log(20mm + 5deg)", "(give both the same kind of unit)"},
-                         Row{"log(20mm * 5mm)", "divide by a unit first, such as d / 1mm"},
-                         Row{"wait 5", "(write `wait time 5` or `wait 5s`)"},
-                         Row{"wait 1 < 2 timeout 3", "(a time needs a unit: write 3s)"},
-                         Row{"for i in 1 .. 50mm\nend", "(write such as 1 .. 5)"},
-                         Row{"let far = 20mm\nset far = 3", "write a length such as 200mm)"}})
+  for (const Row& row :
+       {Row{"log(offset(A, z = 200))", "(a length needs a unit: write 200mm)"},
+        Row{"log(offset(A, x = -0.2))", "(a length needs a unit: write -0.2m)"},
+        Row{"log(offset(A, rz = 90))", "(an angle needs a unit: write 90deg)"},
+        Row{"log(offset(A, rz = 20mm))", "(write an angle such as 30deg)"},
+        Row{"log(pose(400, 0, 0))", "(a length needs a unit: write 400mm)"},
+        Row{"movel A, blend 20", "(a length needs a unit: write 20mm)"},
+        Row{"movel A, duration 2", "(a time needs a unit: write 2s)"},
+        Row{"movel A, payload 3", "(a mass needs a unit: write 3kg)"},
+        Row{"movel A, around 3", "(write `around true`)"},
+        Row{"movel A, payload 3mm", "(write a mass such as 2kg)"},
+        Row{"drive 500", "(a length needs a unit: write 500mm)"},
+        Row{"turn 90", "(an angle needs a unit: write 90deg)"},
+        Row{"log(20mm + 5)", "(a length needs a unit: write 5mm)"},
+        Row{"log(5 < 20deg)", "(an angle needs a unit: write 5deg)"},
+        Row{"log(20mm + 5deg)", "(give both the same kind of unit)"},
+        Row{"log(20mm * 5mm)", "divide by a unit first, such as d / 1mm"},
+        Row{"wait 5", "(write `wait time 5` or `wait 5s`)"},
+        Row{"let n = 2\nwait n", "(write `wait 1s`, or `wait n > 0` for a condition)"},
+        Row{"let A = 2", "(it belongs to the data, the tags or the named states of the robot; "},
+        Row{"log(1) // note", "(a comment begins with #)"},
+        Row{"let n = 2\nset n = n++", "(count with `set N = N + 1`)"},
+        Row{"wait 1 < 2 timeout 3", "(a time needs a unit: write 3s)"},
+        Row{"for i in 1 .. 50mm\nend", "(write such as 1 .. 5)"},
+        Row{"let far = 20mm\nset far = 3", "write a length such as 200mm)"}})
     EXPECT_NE(findings(row.line).find(row.advice), std::string::npos) << row.line << "\n"
                                                                       << findings(row.line);
 }

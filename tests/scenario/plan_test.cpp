@@ -211,6 +211,17 @@ TEST_F(Plan, StartsWhereItIsTold) {
   EXPECT_TRUE(says(plan({cell, "movej", "Place", "--from", "Plac"}), "did you mean 'Place'"));
 }
 
+TEST_F(Plan, AFileOfOnePointBeginsAtHome) {
+  const std::string one = write("one.yaml",
+                                "joint_names: [elbow_joint]\npoints:\n"
+                                "- {positions: [1.3], time_from_start: 1}\n");
+  const auto planned = ur({one, "--json"});
+  EXPECT_EQ(planned.exit_code, 0) << planned.output;
+  const auto by_name = ur({one, "--from", "home", "--json"});
+  EXPECT_EQ(json::parse(last_line(planned.output))["duration"],
+            json::parse(last_line(by_name.output))["duration"]);
+}
+
 TEST_F(Plan, PlotsAndTables) {
   const auto run = ur({way(), "--svg", file("a.svg"), "--csv", file("a.csv"), "--rate", "100", "--json"});
   ASSERT_EQ(run.exit_code, 0) << run.output;

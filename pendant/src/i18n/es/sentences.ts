@@ -349,6 +349,8 @@ export const advices: readonly (readonly [english: string, spanish: string])[] =
   ['a program has one', 'un programa tiene uno'],
   ['choose another name, or change it with `set`', 'elija otro nombre, o cámbielo con `set`'],
   ['choose another name', 'elija otro nombre'],
+  ['it belongs to the data, the tags or the named states of the robot; choose another name', 'pertenece a los datos, las señales o los estados con nombre del robot; elija otro nombre'],
+  ['count with {1}', 'cuente con {1}'],
   ['put it into the task that it is to interrupt', 'póngala en la tarea que debe interrumpir'],
   ['the program that it runs does', 'lo hace el programa que ejecuta'],
   ['set a tag here and let a task do it', 'fije aquí una señal y deje que lo haga una tarea'],
