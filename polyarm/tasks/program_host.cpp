@@ -52,7 +52,8 @@ std::vector<double> joints_by_name(const description::RobotModel& model, const d
     const double* position = joints.find(joint);
     if (!position)
       throw Error("missing-joint",
-                  fmt::format("{} has no value for the joint '{}' of {}", what, joint, model.name), {});
+                  fmt::format("{} has no value for the joint '{}' of {}", what, joint, model.name),
+                  "write `here_joints() with NAME = 20deg` to change some joints only");
     check_unit(model, out.size(),
                joints.given_at(static_cast<std::size_t>(position - joints.positions.data())), *position,
                what);

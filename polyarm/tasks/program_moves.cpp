@@ -385,6 +385,7 @@ std::optional<program::Progress> ProgramMoves::bad_end(Arm& arm, std::uint64_t t
                   {}});
       if (problem.where.file.empty()) problem.where = told.where;
       problem.what += told.called;
+      problem.facts.push_back({"robot", arm.robot.robot->entry.name});
       return program::Progress::failed(std::move(problem));
     }
   return std::nullopt;

@@ -320,7 +320,10 @@ const char* kind_of(const std::string& code) {
   return "value";
 }
 
-Value as_value(const Problem& problem, const std::string& robot) {
+/// `robot` is that of the task, unless the problem names its own.
+Value as_value(const Problem& problem, std::string robot) {
+  for (const Fact& fact : problem.facts)
+    if (const auto* name = std::get_if<std::string>(&fact.value); name && fact.name == "robot") robot = *name;
   return data::Record{{"kind", "text", "line", "robot"},
                       {Value(kind_of(problem.code)), Value(problem.what),
                        Value(static_cast<double>(problem.where.line)), Value(robot)}};

@@ -351,6 +351,7 @@ export const advices: readonly (readonly [english: string, spanish: string])[] =
   ['choose another name', 'elija otro nombre'],
   ['it belongs to the data, the tags or the named states of the robot; choose another name', 'pertenece a los datos, las señales o los estados con nombre del robot; elija otro nombre'],
   ['count with {1}', 'cuente con {1}'],
+  ['write {1} to change some joints only', 'escriba {1} para cambiar solo algunas articulaciones'],
   ['put it into the task that it is to interrupt', 'póngala en la tarea que debe interrumpir'],
   ['the program that it runs does', 'lo hace el programa que ejecuta'],
   ['set a tag here and let a task do it', 'fije aquí una señal y deje que lo haga una tarea'],
