@@ -33,6 +33,9 @@ class UrdfReader : private XmlReader {
     if (const XMLElement* sdf = document.FirstChildElement("sdf"))
       throw Error(Problem{"no-robot", at(*sdf), "this is SDF, which is not read",
                           "name the URDF or xacro file that it was made from"});
+    if (const XMLElement* mujoco = document.FirstChildElement("mujoco"))
+      throw Error(Problem{"no-robot", at(*mujoco), "this is MJCF of MuJoCo, which is not read",
+                          "name the URDF or xacro file of the robot"});
     if (!robot)
       throw Error(Problem{"no-robot", {file_, 1}, "there is no <robot> element", "is this a URDF file?"});
     if (const XMLElement* macro = unexpanded(*robot))
@@ -324,6 +327,13 @@ class UrdfReader : private XmlReader {
       joint.axis = {given.x / length, given.y / length, given.z / length};
   }
 
+  /// Whole numbers that are many turns as radians, and up to two turns as degrees.
+  static bool looks_like_degrees(double lower, double upper) {
+    const double most = std::max(std::abs(lower), std::abs(upper));
+    return most >= 30 && most <= 720 && lower == std::floor(lower) && upper == std::floor(upper) &&
+           lower < upper;
+  }
+
   void limits(const XMLElement& e, Joint& joint) {
     const XMLElement* l = e.FirstChildElement("limit");
     const bool ranged = joint.type == JointType::revolute || joint.type == JointType::prismatic;
@@ -342,6 +352,11 @@ class UrdfReader : private XmlReader {
                           "write the smaller value as lower");
         std::swap(*joint.limits.lower, *joint.limits.upper);
       }
+      if (joint.type == JointType::revolute && looks_like_degrees(*joint.limits.lower, *joint.limits.upper))
+        warnings_.warning("degrees", at(*l),
+                          "the limits of '" + joint.name + "', " + format_number(*joint.limits.lower) +
+                              " to " + format_number(*joint.limits.upper) + " rad, look like degrees",
+                          "write radians: 180 degrees are 3.1416 rad");
       if (*joint.limits.lower == *joint.limits.upper) {
         warnings_.warning("no-limit", at(*l), "the joint '" + joint.name + "' has an empty range",
                           "it is taken as unlimited");

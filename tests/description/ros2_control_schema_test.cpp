@@ -272,6 +272,7 @@ std::vector<Bad> bad_blocks() {
       {"TransmissionOfAForeignJoint", transmission(plugin + "<joint name=\"two\" role=\"joint1\"/>"), 12,
        "unknown-joint", "which its <ros2_control> 'h' does not have", "<joint name=\"two\">"},
       {"Sdf", "<sdf version=\"1.9\"><model name=\"m\"/></sdf>", 1, "no-robot", "SDF", "URDF"},
+      {"Mjcf", "<mujoco model=\"m\"><worldbody/></mujoco>", 1, "no-robot", "MJCF", "URDF"},
   };
 }
 

@@ -437,6 +437,22 @@ TEST(Urdf, WarnsOfARevoluteJointWithoutLimitsAndLeavesItUnlimited) {
   EXPECT_EQ(warnings.list()[0].severity, Severity::warning);
 }
 
+TEST(Urdf, WarnsOfLimitsThatLookLikeDegrees) {
+  const auto found = [](const std::string& limit, const char* type = "revolute") {
+    Problems warnings;
+    read_urdf(links_and(joint("j", "a", "b", "<limit " + limit + " velocity=\"1\" effort=\"1\"/>", type)),
+              "r.urdf", warnings);
+    return warnings.list().empty() ? std::string("none") : warnings.list()[0].code;
+  };
+  EXPECT_EQ(found("lower=\"-170\" upper=\"170\""), "degrees");
+  EXPECT_EQ(found("lower=\"0\" upper=\"360\""), "degrees");
+  for (const char* radians :
+       {"lower=\"-3.1416\" upper=\"3.1416\"", "lower=\"-6\" upper=\"6\"", "lower=\"-31.4\" upper=\"31.4\"",
+        "lower=\"-1000\" upper=\"1000\"", "lower=\"-1e16\" upper=\"1e16\""})
+    EXPECT_EQ(found(radians), "none") << radians;
+  EXPECT_EQ(found("lower=\"0\" upper=\"100\"", "prismatic"), "none");
+}
+
 TEST(Urdf, DoesNotNeedTheMeshesItNames) {
   const RobotModel model = read(kGood);
   const Shape& mesh = model.links[1].visuals.at(0);
