@@ -14,10 +14,11 @@ void Interpreter::begin_event(Task& task, const Step& step) {
   const std::vector<MoveDefaults> uses = task.uses;
   Task& event = add_task(traps ? "trap" : "every", at(traps ? code_.traps : code_.timers, step.a).entry, false);
   event.apart = true;
+  event.uses = uses;
+  event.frames.front().uses = uses.size();
   if (traps) {
     event.trap = step.a;
     event.owner = id;
-    event.uses = uses;
   }
   wait_for(event, WaitKind::turn);
 }

@@ -53,6 +53,8 @@ void Interpreter::execute_flow(Task& task, const Step& step) {
     case Op::begin_when: {
       Task& when = add_task("when", at(code_.whens, step.a).entry, false);
       when.apart = true;
+      when.uses = task.uses;
+      when.frames.front().uses = when.uses.size();
       wait_for(when, WaitKind::turn);
       break;
     }

@@ -298,7 +298,11 @@ void Interpreter::stop() {
 void Interpreter::step_clean_up(int& budget) {
   if (ended() || !host_.standing()) return;
   Task* task = tasks_.back()->apart && tasks_.back()->shown ? tasks_.back().get() : nullptr;
-  if (!task) task = &add_task("on stop", code_.on_stop, true);
+  if (!task) {
+    task = &add_task("on stop", code_.on_stop, true);
+    task->uses = tasks_.front()->uses;
+    task->frames.front().uses = task->uses.size();
+  }
   task->apart = true;
   run_task(*task, budget);
   if (task->state == TaskState::waiting)

@@ -204,6 +204,34 @@ TEST(Moves, AFailureOfOneInStepIsTheErrorOfAllAndEndsWithIt) {
   }
 }
 
+// Of two robots, blocks beside the program use the one that `use` names at their line.
+TEST(Moves, BlocksThatRunByThemselvesHaveTheDefaultsOfTheirLine) {
+  const test::Folder folder;
+  const std::string urdf = std::string(POLYARM_SOURCE_DIR) + "/examples/r6bot/r6bot.urdf";
+  folder.write("go.script",
+               "let ready = joints(0, -30deg, 60deg, 0, 60deg, 0)\n"
+               "let ys = [0m, 0m, 0m]\n"
+               "use robot right\n"
+               "every 20ms\n"
+               "  if true\n    use speed 50%\n  end\n"
+               "  set ys[1] = fk(ready).y\n"
+               "end\n"
+               "when ys[1] > 1m\n"
+               "  set ys[2] = fk(ready).y\n"
+               "end\n"
+               "wait 100ms\n"
+               "raise \"{ys[1] > 1m} {ys[2] > 1m}\"\n"
+               "on stop\n"
+               "  log(\"{fk(ready).y > 1m}\")\n"
+               "end\n");
+  folder.write("cell.yaml", "polyarm: cell/1\nrobots:\n  left: {model: " + urdf +
+                                ", hardware: mock}\n  right: {model: " + urdf +
+                                ", at: [0, 2, 0], hardware: mock}\nprogram: go\n");
+  LockStepCell run(cell::read_cell_file(folder.path()));
+  while (!run.cell().finished() && run.cell().loop().cycle().time < nanoseconds(10.0)) run.tick();
+  EXPECT_EQ(run.cell().program()->status().problem.value_or(Problem{}).what, "True True");
+}
+
 // A handler begins while the moves before the error are still under way; what needs rest waits for them.
 TEST(Moves, AHandlerWaitsForTheRobotWhereItNeedsItAtRest) {
   const std::string away = "movej joints(50deg, -30deg, 60deg, 0, 60deg, 0), speed 20%\n";
