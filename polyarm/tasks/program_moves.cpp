@@ -431,6 +431,11 @@ bool ProgramMoves::has_room(const std::string& robot) {
   return !arm.robot.motion || arm.robot.motion->has_room();
 }
 
+/// False for a move that failed, was refused or was discarded.
+static bool arrives(moves::MoveState state) {
+  return state == moves::MoveState::running || state == moves::MoveState::done;
+}
+
 /// Waits for one robot, or for all.
 program::Handle ProgramMoves::start_arrival(const std::string& robot) {
   Asked asked;
@@ -439,9 +444,6 @@ program::Handle ProgramMoves::start_arrival(const std::string& robot) {
     if (!motion || (!robot.empty() && arms_[i].robot.robot->entry.name != robot)) continue;
     motion->close();
     std::uint64_t last = motion->newest_present();  // moves before one that failed may be under way
-    const auto arrives = [&](moves::MoveState state) {
-      return state == moves::MoveState::running || state == moves::MoveState::done;
-    };
     while (last > 0 && !arrives(motion->state_of(last))) --last;
     asked.push_back({i, 0, last});
   }
@@ -469,12 +471,10 @@ void ProgramMoves::end(program::Handle handle) {
   for (const Moves& moves : found->second) {
     Arm& arm = arms_[moves.arm];
     if (!moves.base) {
-      const moves::RobotMotion& motion = *arm.robot.motion;
-      arm.robot.motion->end(moves.first);
+      moves::RobotMotion& motion = *arm.robot.motion;
+      motion.end(moves.first);
       std::erase_if(arm.open, [&](const Open& open) {  // nobody asks any more why they did not arrive
-        const moves::MoveState state = motion.state_of(open.id);
-        return open.id >= moves.first && state != moves::MoveState::running &&
-               state != moves::MoveState::done;
+        return open.id >= moves.first && !arrives(motion.state_of(open.id));
       });
     } else if (arm.robot.base) {
       arm.robot.base->drop();
@@ -587,8 +587,7 @@ bool ProgramMoves::given_up(program::Handle handle) const {
       const Base state = robot.base ? robot.base->state_of(moves.last) : Base::discarded;
       return state != Base::running && state != Base::done;
     }
-    const moves::MoveState state = robot.motion ? robot.motion->state_of(moves.last) : moves::MoveState::discarded;
-    return state != moves::MoveState::running && state != moves::MoveState::done;
+    return !robot.motion || !arrives(robot.motion->state_of(moves.last));
   });
 }
 

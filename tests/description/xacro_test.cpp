@@ -263,37 +263,6 @@ TEST(Xacro, MacrosWithinMacrosStayThere) {
       "<l v='inside'/><l v='outside'/>");
 }
 
-// Files from before ROS Noetic leave out the prefix.
-TEST(Xacro, ElementsWithoutThePrefixAreReadWithAWarning) {
-  const Files files;
-  files.add("limits.xacro", "<robot><property name=\"most\" value=\"${2 * M}\"/></robot>");
-  const fs::path file = files.add(
-      "arm.xacro", wrapped("<property name=\"M\" value=\"1.5\"/><include filename=\"limits.xacro\"/>"
-                           "<include filename=\"none.xacro\"/>"
-                           "<macro name=\"part\" params=\"name *origin\"><link name=\"${name}\">"
-                           "<insert_block name=\"origin\"/></link></macro>"
-                           "<part name=\"a\"><origin xyz=\"${most} 0 0\"/></part>"
-                           "<if value=\"1\"><b/></if><unless value=\"1\"><c/></unless>"));
-  Problems warnings;
-  EXPECT_EQ(plain(expand_xacro(file, {}, warnings)),
-            plain("<a><link name=\"a\"><origin xyz=\"3.0 0 0\"/></link><b/></a>"));
-  EXPECT_EQ(warnings.list().size(), 8u);  // one for each tag, and the file that is missing
-  EXPECT_NE(warnings.list().front().text().find("<property> has no prefix; it is read as <xacro:property>"),
-            std::string::npos);
-}
-
-TEST(Xacro, WordsOfOthersAreNotTakenForXacro) {
-  const std::string others =
-      "<gazebo><plugin><property name=\"a\" value=\"1\"/><include filename=\"b.sdf\"/></plugin></gazebo>"
-      "<ros2_control><if value=\"1\"/></ros2_control><property name=\"no_value\"/><property name=\"\" "
-      "value=\"1\"/><include><uri>model://c</uri></include>";
-  expect(others, others);
-  expect(
-      "<xacro:macro name=\"link\" params=\"x\"><l x=\"${x}\"/></xacro:macro><link name=\"a\"/><xacro:link "
-      "x=\"2\"/>",
-      "<link name=\"a\"/><l x=\"2\"/>");
-}
-
 TEST(Xacro, NameSpacesLieWithinEachOther) {
   const Files files;
   files.add("inner.xacro",
