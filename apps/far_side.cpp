@@ -91,15 +91,18 @@ int run_far_side(int argc, char** argv) {
   if (maker != argv + argc && std::string(*maker) == "yaskawa") return run_far_side_yaskawa(argc, argv);
   if (maker != argv + argc && std::string(*maker) == "xarm") return run_far_side_xarm(argc, argv);
   if (maker != argv + argc && std::string(*maker) == "franka") return run_far_side_franka(argc, argv);
+  if (maker != argv + argc && std::string(*maker) == "cia402") return run_far_side_cia402(argc, argv);
   CommandLine app(
       "Simulates the controller of a robot byte for byte, for drivers and programs without a robot",
       "polyarm far-side");
   std::string name;
-  app.add_option("maker", name,
-                 "ur: Universal Robots; fanuc: FANUC; abb: ABB; kuka: KUKA; yaskawa: Yaskawa; xarm: "
-                 "UFACTORY; franka: Franka; `polyarm far-side MAKER --help` has the rest")
+  app.add_option(
+         "maker", name,
+         "ur: Universal Robots; fanuc: FANUC; abb: ABB; kuka: KUKA; yaskawa: Yaskawa; xarm: "
+         "UFACTORY; franka: Franka; cia402: CANopen servo drives; `polyarm far-side MAKER --help` has the "
+         "rest")
       ->required()
-      ->one_of({"ur", "fanuc", "abb", "kuka", "yaskawa", "xarm", "franka"});
+      ->one_of({"ur", "fanuc", "abb", "kuka", "yaskawa", "xarm", "franka", "cia402"});
   app.footer(examples({"polyarm far-side ur", "polyarm far-side abb --help"}));
   if (const auto code = app.parse(argc, argv)) return *code;
   return kOk;

@@ -24,5 +24,6 @@ int run_far_side_kuka(int argc, char** argv);
 int run_far_side_yaskawa(int argc, char** argv);
 int run_far_side_xarm(int argc, char** argv);
 int run_far_side_franka(int argc, char** argv);
+int run_far_side_cia402(int argc, char** argv);
 
 }  // namespace polyarm::apps

@@ -99,13 +99,15 @@ int run_setup(int argc, char** argv) {
   if (device != argv + argc && std::string(*device) == "yaskawa") return run_setup_yaskawa(argc, argv);
   if (device != argv + argc && std::string(*device) == "xarm") return run_setup_xarm(argc, argv);
   if (device != argv + argc && std::string(*device) == "franka") return run_setup_franka(argc, argv);
+  if (device != argv + argc && std::string(*device) == "cia402") return run_setup_cia402(argc, argv);
   CommandLine app("Sets up the servos of an arm: port, ids, check, backup, ranges and zero", "polyarm setup");
   SetupArguments a;
   app.add_option(
          "device", a.family,
-         "feetech, dynamixel, abb, kuka, yaskawa, xarm or franka; see also `polyarm setup abb --help`")
+         "feetech, dynamixel, abb, kuka, yaskawa, xarm, franka or cia402; see also `polyarm setup abb "
+         "--help`")
       ->required()
-      ->one_of({"feetech", "dynamixel", "abb", "kuka", "yaskawa", "xarm", "franka"});
+      ->one_of({"feetech", "dynamixel", "abb", "kuka", "yaskawa", "xarm", "franka", "cia402"});
   app.add_option("--port", a.options.port, "serial port; without it every port is searched");
   app.add_option("--baud", a.options.baud, "only this rate; default: all rates of the servos");
   app.add_option("--joints", a.joints,

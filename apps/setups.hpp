@@ -8,5 +8,6 @@ int run_setup_kuka(int argc, char** argv);
 int run_setup_yaskawa(int argc, char** argv);
 int run_setup_xarm(int argc, char** argv);
 int run_setup_franka(int argc, char** argv);
+int run_setup_cia402(int argc, char** argv);
 
 }  // namespace polyarm::apps
