@@ -60,7 +60,9 @@ CallbackReturn OnFarSide::on_init(const hardware::ComponentContext& context) {
   own.parameters.try_emplace("watchdog", "off");  // the drives end with the process
   own.parameters.try_emplace("loop_silence_ms", "10000");
   own.parameters.try_emplace("answer_ms", "2000");
-  own.parameters.try_emplace("heartbeat_ms", "500");  // a thread answers instead of a chip
+  // A thread answers instead of a chip.
+  own.parameters.try_emplace("heartbeat_ms", "500");
+  own.parameters.try_emplace("lost_cycles", "20");
   if (!own.robots.empty()) complete(own);
   const Settings settings = read_settings(own);
   FarSideOptions options;

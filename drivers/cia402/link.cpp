@@ -329,6 +329,9 @@ void Link::judge_silence() {
     silent_ = j;  // all others stop at once; its heartbeat may name the cause
     silent_since_ = now_;
   }
+  // Before the arm moves, a drive may come back: this computer was only slow.
+  const bool moves = phase_ == Phase::streaming || phase_ == Phase::ending;
+  if (silent_ && !moves && drives_[*silent_].lost == 0) silent_.reset();
   if (silent_) return name_silence();
   judge_heartbeats();
 }

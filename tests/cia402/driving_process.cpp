@@ -17,7 +17,10 @@ hardware::ComponentContext two_drives(int argc, char** argv) {
   hardware::ComponentContext out;
   out.name = "arm";
   out.period = kPeriod;
-  out.parameters = {{"bus", argv[1]}, {"pace", "false"}, {"loop_silence_ms", "10000"}};
+  // Times for a machine that does much else.
+  out.parameters = {{"bus", argv[1]},         {"pace", "false"},       {"loop_silence_ms", "10000"},
+                    {"heartbeat_ms", "1000"}, {"watchdog_ms", "1000"}, {"lost_cycles", "500"},
+                    {"start_timeout", "60"},  {"answer_ms", "5000"}};
   for (int k = 2; k < argc; ++k) {
     const std::string word = argv[k];
     out.parameters[word.substr(0, word.find('='))] = word.substr(word.find('=') + 1);

@@ -169,7 +169,7 @@ TEST(Cia402Faults, EndWellWhicheverComes) {
                                      "limit=1",
                                      "no_position_mode"};
   Cia402Rig rig(Parameters{{"start_timeout", "0.5"}, {"answer_ms", "100"}});
-  expect_random_faults_end_well(rig, std::span(kOrders), {.joint = "joint_1", .step = 0.002, .after = 60},
+  expect_random_faults_end_well(rig, std::span(kOrders), {.joint = "joint_1", .step = 0.002, .after = 120},
                                 0.00202, mend, [](Machine& machine) { machine.tick(); });
 }
 
