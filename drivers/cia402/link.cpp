@@ -108,6 +108,7 @@ void Link::take_command() {
     began_at_ = now_;
     for (Drive& drive : drives_) {
       drive.resets = drive.puzzled = drive.code = 0;
+      drive.target = drive.state.position;  // also of one that somebody else has enabled
       drive.emergency = {};
     }
   }

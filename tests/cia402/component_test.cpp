@@ -223,6 +223,26 @@ TEST(Cia402Component, ADriveWithoutOptionalObjectsIsTaken) {
   EXPECT_TRUE(rig.runs(5, [](int) {})) << rig.component.reason();
 }
 
+TEST(Cia402Component, ADriveThatSomebodyEnabledBeforeIsHeldWhereItIs) {
+  Cia402Rig rig;
+  ASSERT_TRUE(rig.configure()) << rig.component.reason();
+  const auto before = rig.q();
+  rig.far().with([](Machine& machine) {
+    FarDrive::Frames unheard;
+    for (const int word : {0x06, 0x07, 0x0F}) {
+      const std::array<std::uint8_t, 2> bytes{static_cast<std::uint8_t>(word), 0};
+      machine.drive(2).take(cia402::download_request(2, {0x6040}, bytes), unheard);
+    }
+    EXPECT_TRUE(machine.drive(2).enabled());
+    machine.forget_jumps();
+    return 0;
+  });
+  ASSERT_TRUE(rig.activate()) << rig.component.reason();
+  ASSERT_TRUE(rig.runs(20, [](int) {})) << rig.component.reason();
+  EXPECT_EQ(rig.q(), before);
+  EXPECT_LE(rig.largest_jump(), 1e-6);
+}
+
 TEST(Cia402Component, LimitsAndWarningsAreShown) {
   Cia402Rig rig;
   ASSERT_TRUE(rig.start());
