@@ -183,13 +183,18 @@ struct Writer {
     }
   }
 
-  /// What CDR code needs (polyarm_ros/cdr.hpp). An empty struct is one byte on the wire.
+  /// What CDR code needs (polyarm_ros/cdr.hpp), and text (rosidl_runtime_cpp/traits.hpp). An empty struct is
+  /// one byte on the wire.
   static std::string fields_code(const Struct& made, const std::string& type) {
-    std::string visits;
-    for (const Member& m : made.members)
-      if (!m.constant) visits += " visit_(" + m.name + ");";
+    std::string visits, names;
+    for (const Member& m : made.members) {
+      if (m.constant) continue;
+      visits += " visit_(" + m.name + ");";
+      names += (names.empty() ? "" : " ") + m.name;
+    }
     if (visits.empty()) visits = " std::uint8_t none_ = 0; visit_(none_);";
-    std::string out = "  static constexpr const char* polyarm_type() { return \"" + type + "\"; }\n";
+    std::string out = "  static constexpr const char* polyarm_type() { return \"" + type +
+                      "\"; }\n  static constexpr const char* polyarm_names() { return \"" + names + "\"; }\n";
     for (const char* constant : {"", "const "})
       out += std::string("  template <typename Visit>\n  void polyarm_fields(Visit& visit_) ") + constant +
              "{" + visits + " }\n";
@@ -261,9 +266,12 @@ struct Writer {
         "#pragma once\n// Made by `polyarm plugin`.\n#include <array>\n#include <cstdint>\n#include "
         "<memory>\n"
         "#include <string>\n#include <utility>\n#include <vector>\n\n#include "
-        "\"rosidl_runtime_cpp/message_initialization.hpp\"\n";
+        "\"rosidl_runtime_cpp/message_initialization.hpp\"\n#include \"rosidl_runtime_cpp/traits.hpp\"\n";
     for (const std::string& header : includes) out += "#include \"" + header + "\"\n";
     out += "\nnamespace " + interface.package + "::" + interface.kind + " {\n\n";
+    for (const char* function : {"to_yaml", "to_flow_style_yaml", "to_block_style_yaml"})
+      out += std::string("using rosidl_generator_traits::") + function + ";\n";
+    out += "\n";
     for (const Struct& made : structs) out += code_of(made) + "\n";
     if (interface.kind != "msg") {
       out += "struct " + interface.name + " {\n";

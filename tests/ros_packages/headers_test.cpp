@@ -16,9 +16,11 @@
 #include "realtime_tools/realtime_buffer.hpp"
 #include "realtime_tools/realtime_thread_safe_box.hpp"
 #include "rmw/qos_profiles.h"
+#include "std_srvs/srv/trigger.hpp"
 #include "tf2/LinearMath/Scalar.h"
 #include "tf2_geometry_msgs/tf2_geometry_msgs.hpp"
 #include "tl/expected.hpp"
+#include "trajectory_msgs/msg/joint_trajectory.hpp"
 #include "urdf_parser/urdf_parser.h"
 
 namespace {
@@ -31,6 +33,30 @@ TEST(Angles, GoTheShortestWayWithinLimitsOfMoreThanATurn) {
   EXPECT_NEAR(way, 0.2 - 6, 1e-12);
   EXPECT_FALSE(angles::shortest_angular_distance_with_large_limits(8, 0.2, -7, 7, way));
   EXPECT_NEAR(angles::normalize_angle(3 * M_PI / 2), -M_PI / 2, 1e-12);
+}
+
+TEST(Messages, AreTextInTheFormOfRos) {
+  trajectory_msgs::msg::JointTrajectory way;
+  way.header.frame_id = "a \"b\"";
+  way.joint_names = {"lift"};
+  way.points.resize(1);
+  way.points[0].positions = {1, -2.5};
+  way.points[0].time_from_start.sec = 3;
+  EXPECT_EQ(
+      trajectory_msgs::msg::to_yaml(way),
+      "header:\n  stamp:\n    sec: 0\n    nanosec: 0\n  frame_id: \"a \\\"b\\\"\"\njoint_names:\n- \"lift\"\n"
+      "points:\n-\n  positions:\n  - 1.00000\n  - -2.50000\n  velocities: []\n  accelerations: []\n"
+      "  effort: []\n  time_from_start:\n    sec: 3\n    nanosec: 0\n");
+  EXPECT_EQ(to_yaml(way.points[0], true),
+            "{positions: [1.00000, -2.50000], velocities: [], accelerations: [], effort: [], "
+            "time_from_start: {sec: 3, nanosec: 0}}");
+  EXPECT_EQ(std_srvs::srv::to_yaml(std_srvs::srv::Trigger::Request()), "null\n");
+  EXPECT_EQ(std_srvs::srv::to_yaml(std_srvs::srv::Trigger::Response(), true),
+            "{success: false, message: \"\"}");
+  EXPECT_STREQ(rosidl_generator_traits::data_type<trajectory_msgs::msg::JointTrajectory>(),
+               "trajectory_msgs::msg::JointTrajectory");
+  EXPECT_TRUE(rosidl_generator_traits::is_service<std_srvs::srv::Trigger>::value);
+  EXPECT_FALSE(rosidl_generator_traits::is_message<std_srvs::srv::Trigger>::value);
 }
 
 TEST(Transforms, OfMessagesTurnThenMoveAndGoBack) {
