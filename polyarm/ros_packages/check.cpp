@@ -57,7 +57,9 @@ std::vector<fs::path> header_folders() {
   std::vector<fs::path> out = {"/usr/include", "/usr/local/include", "/usr/include/x86_64-linux-gnu",
                                "/usr/include/aarch64-linux-gnu", "/usr/include/eigen3"};
   std::error_code error;
-  for (const auto& version : fs::directory_iterator("/usr/include/c++", error)) out.push_back(version.path());
+  for (const char* library :
+       {"/usr/include/c++", "/usr/include/x86_64-linux-gnu/c++", "/usr/include/aarch64-linux-gnu/c++"})
+    for (const auto& version : fs::directory_iterator(library, error)) out.push_back(version.path());
   for (const char* variable : {"CPATH", "CPLUS_INCLUDE_PATH"})
     for (fs::path& each : folders_of(variable)) out.push_back(std::move(each));
   for (const fs::path& each : folders_of("CMAKE_PREFIX_PATH")) out.push_back(each / "include");
@@ -165,8 +167,9 @@ struct Check {
         const std::vector<std::string> names = meanings(words[0], variables, 0);
         if (std::find(names.begin(), names.end(), c.library) == names.end()) continue;
         for (const std::string& word : words)
-          for (const std::string& each : of(word))
-            if (fs::is_regular_file(package.folder / each, error)) out.push_back(package.folder / each);
+          for (const std::string& value : of(word))
+            for (const std::string& each : meanings(value, variables, 0))
+              if (fs::is_regular_file(package.folder / each, error)) out.push_back(package.folder / each);
       }
     return out.empty() ? sources_of(package) : out;
   }
@@ -235,6 +238,9 @@ struct Check {
       values.insert(values.end(), words.begin() + 1, words.end());
     }
     out["${PROJECT_NAME}"] = {from.name};
+    for (const char* here : {"${CMAKE_CURRENT_SOURCE_DIR}", "${CMAKE_CURRENT_LIST_DIR}",
+                             "${PROJECT_SOURCE_DIR}", "${CMAKE_SOURCE_DIR}"})
+      out[here] = {from.folder.string()};
     return out;
   }
   /// Headers that the build makes of the package's parameter files and templates.

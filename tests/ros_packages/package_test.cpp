@@ -405,6 +405,23 @@ TEST(Check, LeavesOtherSystemsAndReadsVariablesAndFoldersBeside) {
   EXPECT_NE(texts[0].find("drive.cpp:6: error: no header 'nowhere.h'"), std::string::npos) << texts[0];
 }
 
+TEST(Check, ReadsTheSourcesOfALibraryWhosePathsAreComposed) {
+  const test::Folder place;
+  place.write("acme/package.xml", manifest("acme"));
+  place.write("acme/acme.xml", kPlugin);
+  place.write("acme/CMakeLists.txt",
+              "project(acme)\nset(CODE ${CMAKE_CURRENT_SOURCE_DIR}/src)\n"
+              "add_library(drive SHARED src/${PROJECT_NAME}/drive.cpp ${CODE}/more.cpp)\n");
+  place.write("acme/src/acme/drive.cpp", "#include <bits/stdc++.h>\n");
+  place.write("acme/src/more.cpp", "#include <nowhere.h>\n");
+  place.write("acme/src/node.cpp", "#include <ros/ros.h>\n");
+  Problems problems, found;
+  const auto all = find_packages(place.path(), problems);
+  check_package(all[0], all, Kit(), found);
+  ASSERT_EQ(found.list().size(), 1u) << found.list()[0].text();
+  EXPECT_NE(found.list()[0].text().find("more.cpp:1: error: no header 'nowhere.h'"), std::string::npos);
+}
+
 TEST(PackageBounds, AreOnTheirPage) {
   const std::string page = read_file(std::string(POLYARM_SOURCE_DIR) + "/docs/bounds.md");
   EXPECT_NE(page.find(bounds_table()), std::string::npos) << bounds_table();
