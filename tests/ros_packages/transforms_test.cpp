@@ -164,4 +164,39 @@ TEST(TransformsOfEigen, AreThoseOfMessages) {
   EXPECT_TRUE(moved.isApprox(pose * point, 1e-12));
 }
 
+TEST(StampedValues, BecomeMessagesAndComeBack) {
+  const tf2::TimePoint at(std::chrono::nanoseconds(-1500000001));  // before 1970
+  EXPECT_EQ(tf2::toMsg(at).sec, -2);
+  EXPECT_EQ(tf2::toMsg(at).nanosec, 499999999u);
+  EXPECT_EQ(tf2::fromMsg(tf2::toMsg(at)), at);
+
+  const tf2::Stamped<tf2::Transform> pose(shift(1, 2, 3), at, "base");
+  tf2::Stamped<tf2::Transform> back;
+  tf2::fromMsg(tf2::toMsg(pose), back);  // TransformStamped
+  EXPECT_EQ(back.frame_id_, "base");
+  EXPECT_EQ(tf2::getTimestamp(tf2::toMsg(pose)), at);
+  EXPECT_LT(distance(back, pose), 1e-12);
+  geometry_msgs::msg::PoseStamped message;
+  EXPECT_EQ(tf2::toMsg(pose, message).pose.position.y, 2);
+  EXPECT_EQ(tf2::getFrameId(message), "base");
+
+  TransformStamped turn;
+  turn.header.frame_id = "world";
+  turn.transform.rotation.z = 1, turn.transform.rotation.w = 0;  // half a turn
+  const tf2::Stamped<Eigen::Vector3d> point(Eigen::Vector3d(1, 2, 3), at, "base");
+  tf2::Stamped<Eigen::Vector3d> moved;
+  tf2::doTransform(point, moved, turn);
+  const geometry_msgs::msg::PointStamped out = tf2::toMsg(moved);
+  EXPECT_EQ(out.header.frame_id, "world");
+  EXPECT_NEAR(out.point.x, -1, 1e-12);
+  Eigen::Vector3d plain;
+  tf2::convert(out.point, plain);
+  EXPECT_NEAR(plain.y(), -2, 1e-12);
+  Eigen::Isometry3d frame;
+  tf2::convert(message.pose, frame);
+  EXPECT_NEAR(frame.translation().z(), 3, 1e-12);
+  const tf2::Stamped<Eigen::Isometry3d> placed(frame, at, "base");
+  EXPECT_EQ(tf2::toMsg(placed).pose.position, message.pose.position);
+}
+
 }  // namespace

@@ -108,6 +108,17 @@ void convert(const Eigen::Vector3d& from, Message& to) {
 inline void convert(const Eigen::Quaterniond& from, geometry_msgs::msg::Quaternion& to) {
   to = toMsg(from);
 }
+template <typename Message>
+auto convert(const Message& from, Eigen::Vector3d& to) -> decltype(from.x, void()) {
+  fromMsg(from, to);
+}
+inline void convert(const geometry_msgs::msg::Quaternion& from, Eigen::Quaterniond& to) {
+  fromMsg(from, to);
+}
+template <int mode>
+void convert(const geometry_msgs::msg::Pose& from, Eigen::Transform<double, 3, mode>& to) {
+  fromMsg(from, to);
+}
 
 inline void doTransform(const Eigen::Vector3d& in, Eigen::Vector3d& out,
                         const geometry_msgs::msg::TransformStamped& t) {
@@ -122,6 +133,14 @@ void doTransform(const Eigen::Transform<double, 3, mode>& in, Eigen::Transform<d
                  const geometry_msgs::msg::TransformStamped& t) {
   out = Eigen::Transform<double, 3, mode>(transformToEigen(t) * in);
 }
+#define POLYARM_ROS_EIGEN(TYPE, MESSAGE, FIELD)     \
+  POLYARM_ROS_STAMPED_MESSAGE(TYPE, MESSAGE, FIELD) \
+  POLYARM_ROS_STAMPED_TRANSFORM(TYPE)
+POLYARM_ROS_EIGEN(Eigen::Vector3d, PointStamped, point)
+POLYARM_ROS_EIGEN(Eigen::Quaterniond, QuaternionStamped, quaternion)
+POLYARM_ROS_EIGEN(Eigen::Affine3d, PoseStamped, pose)
+POLYARM_ROS_EIGEN(Eigen::Isometry3d, PoseStamped, pose)
+#undef POLYARM_ROS_EIGEN
 
 }  // namespace tf2
 

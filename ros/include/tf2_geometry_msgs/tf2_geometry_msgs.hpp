@@ -1,5 +1,6 @@
 #pragma once
 /// Between tf2's types and messages, and transforms of messages.
+#include "builtin_interfaces/msg/time.hpp"
 #include "geometry_msgs/msg/point.hpp"
 #include "geometry_msgs/msg/point_stamped.hpp"
 #include "geometry_msgs/msg/pose.hpp"
@@ -70,6 +71,72 @@ inline void convert(const Vector3& from, gm::Vector3& to) {
 inline void convert(const Transform& from, gm::Transform& to) {
   to = toMsg(from);
 }
+
+inline builtin_interfaces::msg::Time toMsg(const TimePoint& time) {
+  const auto ns = time.time_since_epoch().count();
+  const auto rest = (ns % 1000000000 + 1000000000) % 1000000000;
+  builtin_interfaces::msg::Time out;
+  out.sec = static_cast<std::int32_t>((ns - rest) / 1000000000),
+  out.nanosec = static_cast<std::uint32_t>(rest);
+  return out;
+}
+inline TimePoint fromMsg(const builtin_interfaces::msg::Time& time) {
+  return TimePoint(std::chrono::seconds(time.sec) + std::chrono::nanoseconds(time.nanosec));
+}
+template <typename T>
+TimePoint getTimestamp(const T& from) {
+  return fromMsg(from.header.stamp);
+}
+template <typename T>
+TimePoint getTimestamp(const Stamped<T>& from) {
+  return from.stamp_;
+}
+template <typename T>
+std::string getFrameId(const T& from) {
+  return from.header.frame_id;
+}
+template <typename T>
+std::string getFrameId(const Stamped<T>& from) {
+  return from.frame_id_;
+}
+/// Between a stamped value and the message whose FIELD has the value.
+#define POLYARM_ROS_STAMPED_VALUE(TYPE, MESSAGE, FIELD)                          \
+  inline gm::MESSAGE& toMsg(const Stamped<TYPE>& from, gm::MESSAGE& out) {       \
+    out.header.stamp = toMsg(from.stamp_), out.header.frame_id = from.frame_id_; \
+    convert(static_cast<const TYPE&>(from), out.FIELD);                          \
+    return out;                                                                  \
+  }                                                                              \
+  inline void convert(const Stamped<TYPE>& from, gm::MESSAGE& to) {              \
+    toMsg(from, to);                                                             \
+  }                                                                              \
+  inline void fromMsg(const gm::MESSAGE& from, Stamped<TYPE>& to) {              \
+    to.stamp_ = fromMsg(from.header.stamp), to.frame_id_ = from.header.frame_id; \
+    fromMsg(from.FIELD, static_cast<TYPE&>(to));                                 \
+  }
+/// The same for the message that stands for the value.
+#define POLYARM_ROS_STAMPED_MESSAGE(TYPE, MESSAGE, FIELD) \
+  POLYARM_ROS_STAMPED_VALUE(TYPE, MESSAGE, FIELD)         \
+  inline gm::MESSAGE toMsg(const Stamped<TYPE>& from) {   \
+    gm::MESSAGE out;                                      \
+    return toMsg(from, out);                              \
+  }
+/// A transform of a stamped value, of one that transforms the value.
+#define POLYARM_ROS_STAMPED_TRANSFORM(TYPE)                                                             \
+  inline void doTransform(const Stamped<TYPE>& in, Stamped<TYPE>& out, const gm::TransformStamped& t) { \
+    doTransform(static_cast<const TYPE&>(in), static_cast<TYPE&>(out), t);                              \
+    out.stamp_ = fromMsg(t.header.stamp), out.frame_id_ = t.header.frame_id;                            \
+  }
+inline void convert(const Vector3& from, gm::Point& to) {
+  toMsg(from, to);
+}
+inline void convert(const Transform& from, gm::Pose& to) {
+  toMsg(from, to);
+}
+POLYARM_ROS_STAMPED_MESSAGE(Vector3, Vector3Stamped, vector)
+POLYARM_ROS_STAMPED_VALUE(Vector3, PointStamped, point)
+POLYARM_ROS_STAMPED_MESSAGE(Quaternion, QuaternionStamped, quaternion)
+POLYARM_ROS_STAMPED_MESSAGE(Transform, TransformStamped, transform)
+POLYARM_ROS_STAMPED_VALUE(Transform, PoseStamped, pose)
 
 inline Transform transform_of(const gm::TransformStamped& t) {
   Transform out;

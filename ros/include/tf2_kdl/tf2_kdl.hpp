@@ -4,6 +4,7 @@
 
 #include "geometry_msgs/msg/pose.hpp"
 #include "geometry_msgs/msg/transform_stamped.hpp"
+#include "geometry_msgs/msg/twist_stamped.hpp"
 #include "tf2_geometry_msgs/tf2_geometry_msgs.hpp"
 
 namespace tf2 {
@@ -32,6 +33,41 @@ inline void fromMsg(const geometry_msgs::msg::Pose& from, KDL::Frame& to) {
   const auto& q = from.orientation;
   to = KDL::Frame(KDL::Rotation::Quaternion(q.x, q.y, q.z, q.w), KDL::Vector(p.x, p.y, p.z));
 }
+/// Between a vector and a Point or a Vector3.
+template <typename Message>
+void convert(const KDL::Vector& from, Message& to) {
+  to.x = from.x(), to.y = from.y(), to.z = from.z();
+}
+template <typename Message>
+void fromMsg(const Message& from, KDL::Vector& to) {
+  to = KDL::Vector(from.x, from.y, from.z);
+}
+inline void convert(const KDL::Twist& from, geometry_msgs::msg::Twist& to) {
+  convert(from.vel, to.linear), convert(from.rot, to.angular);
+}
+inline void fromMsg(const geometry_msgs::msg::Twist& from, KDL::Twist& to) {
+  fromMsg(from.linear, to.vel), fromMsg(from.angular, to.rot);
+}
+inline void convert(const KDL::Wrench& from, geometry_msgs::msg::Wrench& to) {
+  convert(from.force, to.force), convert(from.torque, to.torque);
+}
+inline void fromMsg(const geometry_msgs::msg::Wrench& from, KDL::Wrench& to) {
+  fromMsg(from.force, to.force), fromMsg(from.torque, to.torque);
+}
+inline void convert(const KDL::Frame& from, geometry_msgs::msg::Pose& to) {
+  to = toMsg(from);
+}
+#define POLYARM_ROS_KDL(TYPE, MESSAGE, FIELD)                                                         \
+  POLYARM_ROS_STAMPED_MESSAGE(TYPE, MESSAGE, FIELD)                                                   \
+  inline void doTransform(const TYPE& in, TYPE& out, const geometry_msgs::msg::TransformStamped& t) { \
+    out = transformToKDL(t) * in;                                                                     \
+  }                                                                                                   \
+  POLYARM_ROS_STAMPED_TRANSFORM(TYPE)
+POLYARM_ROS_KDL(KDL::Vector, PointStamped, point)
+POLYARM_ROS_KDL(KDL::Twist, TwistStamped, twist)
+POLYARM_ROS_KDL(KDL::Wrench, WrenchStamped, wrench)
+POLYARM_ROS_KDL(KDL::Frame, PoseStamped, pose)
+#undef POLYARM_ROS_KDL
 
 }  // namespace tf2
 

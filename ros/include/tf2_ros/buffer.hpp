@@ -25,12 +25,8 @@ inline tf2::TimePoint fromRclcpp(const rclcpp::Time& time) {
 inline tf2::Duration fromRclcpp(const rclcpp::Duration& span) {
   return tf2::duration_of(span);
 }
-inline tf2::TimePoint fromMsg(const builtin_interfaces::msg::Time& time) {
-  return tf2::time_point_of(time);
-}
-inline builtin_interfaces::msg::Time toMsg(const tf2::TimePoint& time) {
-  return toRclcpp(time);
-}
+using tf2::fromMsg;
+using tf2::toMsg;
 
 class BufferInterface : public tf2::BufferCore {
  public:
