@@ -147,6 +147,7 @@ double offset_of(const rclcpp::Node::SharedPtr& node) {
 /// Written for Galactic and Foxy: init with a name, the node as a member, update without a time.
 class Early : public controller_interface::ControllerInterface {
  public:
+  static inline std::string description;
   return_type init(const std::string& name) override {
     if (const auto result = ControllerInterface::init(name); result != return_type::SUCCESS) return result;
     node_->declare_parameter<double>("speed", 0.5);
@@ -157,6 +158,7 @@ class Early : public controller_interface::ControllerInterface {
     std::map<std::string, rclcpp::Parameter> gains;
     const bool whole = node_->has_parameter("offset") && !node_->has_parameter("other") &&
                        node_->get_parameters("gains", gains) && gains.size() == 2;
+    description = node_->get_parameter("robot_description").as_string();
     const std::shared_ptr<rclcpp::Node> node = get_node();
     if (node->shared_from_this() != node_ || node_->shared_from_this() != node_) return CallbackReturn::ERROR;
     publisher_ = node->create_publisher<std_msgs::msg::String>("~/word", 1);
@@ -238,6 +240,23 @@ TEST(RosController, OneOfAnEarlyReleaseInitializesAndUpdatesInItsOwnForm) {
   const auto& problems = arm.context().parameters.problems().list();  // values that nobody read
   ASSERT_EQ(problems.size(), 1u);
   EXPECT_NE(problems[0].text().find("'lost'"), std::string::npos) << problems[0].text();
+}
+
+/// In ROS the launch file gives it to every node of the controller manager's process.
+TEST(RosController, ItsNodeHasTheDescriptionOfItsRobotAsAParameter) {
+  polyarm::description::RobotModel robot;
+  robot.name = "pump";
+  robot.links = {{.name = "base"}};
+  for (const bool own : {false, true}) {
+    auto controller = std::make_unique<RosController>("wrapped_controllers::Early");
+    controller->set_models({{"arm", &robot}});
+    ControllerRig::Values values{{"offset", {"0"}}, {"gains.a", {"1.5"}}, {"gains.b", {"0.25"}}};
+    if (own) values["robot_description"] = {"<robot name=\"other\"/>"};
+    ControllerRig arm(std::move(controller), {"elbow"}, values);
+    ASSERT_TRUE(arm.start());
+    EXPECT_NE(wrapped_controllers::Early::description.find(own ? "other" : "pump"), std::string::npos);
+    for (const auto& each : arm.context().parameters.declared()) EXPECT_NE(each.key, "robot_description");
+  }
 }
 
 TEST(RosController, ParametersThatWereNeverReadAreOld) {

@@ -302,7 +302,11 @@ inline void RosController::make_object(pc::ControllerContext& context) {
   params.update_rate = static_cast<unsigned>(1e9 / static_cast<double>(context.period) + 0.5);
   params.controller_manager_update_rate =
       static_cast<unsigned>(1e9 / static_cast<double>(context.loop_period) + 0.5);
-  params.node_options.parameter_overrides(overrides(context.parameters));
+  std::vector<rclcpp::Parameter> given = overrides(context.parameters);
+  // In ROS a launch file gives it to all nodes of the controller manager's process.
+  if (!context.parameters.has("robot_description"))
+    given.emplace_back("robot_description", params.robot_description);
+  params.node_options.parameter_overrides(given);
   for (const pc::JointFacts& joint : context.joints)
     note_limits(naming_.local(joint.name), joint, params.hard_joint_limits, params.soft_joint_limits);
   const bool ready = guarded("on_init", [&] {

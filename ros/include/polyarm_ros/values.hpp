@@ -75,6 +75,7 @@ class Values {
     using Type = rclcpp::ParameterType;
     bools_.clear(), ints_.clear(), reals_.clear();
     for (const auto& [name, known] : node.polyarm_parameters()) {
+      if (name == "robot_description") continue;  // too long for a list
       const auto& [value, fixed] = known;
       polyarm::controllers::ParameterNote note;
       note.changeable = !fixed;
