@@ -158,10 +158,10 @@ void require(const HostedComponent& hosted, LifecycleState state, const char* wh
               std::string("that begins at ") + name(state));
 }
 
-[[noreturn]] void fail(const HostedComponent& hosted, Step step, const std::string& thrown) {
+[[noreturn]] void fail(const HostedComponent& hosted, Step step, const std::string& why) {
   throw Error("component-failed",
               "the hardware component '" + hosted.name + "' could not be " + done_word(step) + " and is " +
-                  name(hosted.state.load()) + (thrown.empty() ? because(*hosted.component) : thrown),
+                  name(hosted.state.load()) + (why.empty() ? because(*hosted.component) : why),
               "check that it is connected and that its parameters are right");
 }
 }  // namespace
@@ -282,7 +282,10 @@ void Hardware::settle_error(HostedComponent& hosted, const Transition& done) {
   const bool usable = done.result_ == CallbackReturn::success;
   hosted.state.store(usable ? LifecycleState::unconfigured : LifecycleState::finalized,
                      std::memory_order_release);
-  if (done.failed_) fail(hosted, *done.failed_, done.thrown_before_);
+  if (!done.failed_) return;
+  std::string why = done.thrown_before_;  // not what on_error says, which came later
+  if (why.empty() && !hosted.reason_before.empty()) why = ": " + hosted.reason_before;
+  fail(hosted, *done.failed_, why);
 }
 
 void Hardware::go(std::shared_ptr<Transition> next, Caller& caller) {

@@ -148,6 +148,32 @@ class Speaking : public Echo {
   std::string reason() const override { return fail ? "the bus is silent" : ""; }
 };
 
+/// Each of its callbacks fails for a reason of its own.
+class Unplugged : public Echo {
+ public:
+  CallbackReturn on_configure() override { return reason_ = "no cable", CallbackReturn::error; }
+  CallbackReturn on_error() override { return reason_ = "on_error fails", CallbackReturn::failure; }
+  std::string reason() const override { return reason_; }
+
+ private:
+  std::string reason_;
+};
+
+TEST(Hardware, SaysWhyTheFirstCallbackFailedNotItsOnError) {
+  InterfaceTable table;
+  realtime::Jobs jobs;
+  Hardware hardware(table, jobs);
+  hardware.add(std::make_unique<Unplugged>(), named("arm"));
+  try {
+    hardware.configure_and_activate();
+    FAIL() << "was configured";
+  } catch (const Error& e) {
+    EXPECT_NE(std::string(e.what()).find("could not be configured and is finalized: no cable"),
+              std::string::npos)
+        << e.what();
+  }
+}
+
 TEST(Hardware, SaysWhyItFailedWhileItIsFreedFromItsError) {
   InterfaceTable table;
   realtime::Jobs jobs;
