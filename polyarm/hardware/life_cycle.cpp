@@ -3,6 +3,7 @@
 #include "polyarm/hardware/life_cycle.hpp"
 
 #include <algorithm>
+#include <numeric>
 #include <utility>
 
 #include "polyarm/base/error.hpp"
@@ -349,10 +350,15 @@ void Hardware::configure_and_activate() {
 }
 
 void Hardware::configure_and_activate(Caller& caller) {
-  for (std::size_t i = 0; i < hosting_->all.size(); ++i)
+  // Those without commands first: an actuator may look for its sensor.
+  std::vector<std::size_t> order(hosting_->all.size());
+  std::iota(order.begin(), order.end(), 0);
+  std::stable_partition(order.begin(), order.end(),
+                        [&](std::size_t i) { return hosting_->all[i]->commands == 0; });
+  for (const std::size_t i : order)
     if (hosting_->all[i]->options.initial != LifecycleState::unconfigured)
       go(begin(i, Step::configure), caller);
-  for (std::size_t i = 0; i < hosting_->all.size(); ++i)
+  for (const std::size_t i : order)
     if (hosting_->all[i]->options.initial == LifecycleState::active) go(begin(i, Step::activate), caller);
   // A component that waits for a device measures before controllers start; its thread does not run yet.
   for (const auto& hosted : hosting_->all)

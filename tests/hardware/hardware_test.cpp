@@ -148,6 +148,46 @@ class Speaking : public Echo {
   std::string reason() const override { return fail ? "the bus is silent" : ""; }
 };
 
+/// Notes the order of callbacks; a sensor has no commands.
+class Noting : public Component {
+ public:
+  static inline std::vector<std::string> calls;
+  explicit Noting(bool sensor) : sensor_(sensor) {}
+  CallbackReturn on_init(const ComponentContext& context) override {
+    return name_ = context.name, CallbackReturn::success;
+  }
+  CallbackReturn on_configure() override { return note("configure"); }
+  CallbackReturn on_activate() override { return note("activate"); }
+  std::vector<InterfaceDescription> state_interfaces() const override {
+    return {{name_ + "/j/position", 0.0}};
+  }
+  std::vector<InterfaceDescription> command_interfaces() const override {
+    if (sensor_) return {};
+    return {{name_ + "/j/position"}};
+  }
+  ReturnType read(const Cycle&, std::span<double>) noexcept override { return ReturnType::ok; }
+  ReturnType write(const Cycle&, std::span<const double>) noexcept override { return ReturnType::ok; }
+
+ private:
+  CallbackReturn note(const char* call) {
+    return calls.push_back(std::string(call) + " " + name_), CallbackReturn::success;
+  }
+  bool sensor_;
+  std::string name_;
+};
+
+TEST(Hardware, ConfiguresAndActivatesSensorsBeforeWhatMoves) {
+  InterfaceTable table;
+  realtime::Jobs jobs;
+  Hardware hardware(table, jobs);
+  hardware.add(std::make_unique<Noting>(false), named("motor"));
+  hardware.add(std::make_unique<Noting>(false), named("drive"));
+  hardware.add(std::make_unique<Noting>(true), named("scale"));
+  hardware.configure_and_activate();
+  EXPECT_EQ(Noting::calls, (std::vector<std::string>{"configure scale", "configure motor", "configure drive",
+                                                     "activate scale", "activate motor", "activate drive"}));
+}
+
 /// Each of its callbacks fails for a reason of its own.
 class Unplugged : public Echo {
  public:
