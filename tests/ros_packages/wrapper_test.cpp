@@ -70,6 +70,24 @@ class ByHand : public hardware_interface::SystemInterface {
   double speed_ = 0;
 };
 
+/// Reports its state, as in Rolling.
+class Reporting : public hardware_interface::SystemInterface {
+ public:
+  static inline bool devices = true;
+  CallbackReturn init_hardware_status_message(control_msgs::msg::HardwareStatus& out) override {
+    out.hardware_device_states.resize(devices ? 1 : 0);
+    if (devices) out.hardware_device_states[0].device_id = "pump";
+    return CallbackReturn::SUCCESS;
+  }
+  return_type update_hardware_status_message(control_msgs::msg::HardwareStatus& out) override {
+    out.hardware_id = std::to_string(++updates_) + (out.hardware_id.empty() ? "" : " kept");
+    return updates_ == 1 ? return_type::ERROR : return_type::OK;  // the first one is not sent
+  }
+
+ private:
+  int updates_ = 0;
+};
+
 /// By description, as in Rolling.
 class ByDescription : public hardware_interface::SystemInterface {
  public:
@@ -312,6 +330,36 @@ TEST_F(Wrapper, ExportsByDescriptionWhereThePluginExportsNothing) {
   component.write(cycle, commands);
   component.read(cycle, states);
   EXPECT_EQ(states, (std::vector<double>{0.5, 1.0}));
+}
+
+TEST(HardwareStatus, IsPublishedAtItsRateUnderTheNodesNameInLowerCase) {
+  for (const std::string rate : {"1000", "0", "often", "no device"}) {
+    wrapped::Reporting plugin;
+    wrapped::Reporting::devices = rate != "no device";
+    hardware_interface::HardwareComponentParams params;
+    params.hardware_info.name = "Left/Pump", params.hardware_info.type = "system";
+    params.hardware_info.hardware_parameters["status_publish_rate"] = rate == "no device" ? "1000" : rate;
+    params.logger = rclcpp::get_logger("test");
+    const auto executor = std::make_shared<rclcpp::executors::SingleThreadedExecutor>();
+    params.executor = executor;
+    control_msgs::msg::HardwareStatus heard;
+    const auto node = std::make_shared<rclcpp::Node>("listener");
+    const auto subscription = node->create_subscription<control_msgs::msg::HardwareStatus>(
+        "/left_pump/hardware_status", 10, [&](const control_msgs::msg::HardwareStatus& m) { heard = m; });
+    ASSERT_EQ(plugin.init(params), wrapped::CallbackReturn::SUCCESS);
+    const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(60);
+    while (rate == "1000" && heard.hardware_id.empty() && std::chrono::steady_clock::now() < end) {
+      executor->spin_some();
+      rclcpp::spin_some(node);
+    }
+    executor->spin_some();
+    rclcpp::spin_some(node);
+    ASSERT_EQ(heard.hardware_device_states.size(), rate == "1000" ? 1u : 0u) << rate;
+    if (rate != "1000") continue;
+    EXPECT_EQ(heard.hardware_device_states[0].device_id, "pump");
+    EXPECT_EQ(heard.hardware_id.find("kept"), std::string::npos) << "each begins as it was set up";
+    EXPECT_GT(heard.header.stamp.sec, 0);
+  }
 }
 
 TEST_F(Wrapper, OutlivesAPluginWhoseDestructorThrows) {

@@ -12,6 +12,7 @@
 #include <utility>
 #include <vector>
 
+#include "control_msgs/msg/hardware_status.hpp"
 #include "hardware_interface/component_parser.hpp"
 #include "hardware_interface/handle.hpp"
 #include "hardware_interface/hardware_info.hpp"
@@ -61,6 +62,7 @@ class HardwareComponentInterface : public rclcpp_lifecycle::node_interfaces::Lif
     own.hardware_info = params.hardware_info;
     own.executor = params.executor;
     own.node_namespace = params.node_namespace;
+    if (const CallbackReturn status = start_status(); status != CallbackReturn::SUCCESS) return status;
     return on_init(own);
   }
   virtual CallbackReturn on_init(const HardwareInfo& info) {
@@ -119,6 +121,16 @@ class HardwareComponentInterface : public rclcpp_lifecycle::node_interfaces::Lif
   virtual return_type read() { return return_type::OK; }
   virtual return_type write() { return return_type::OK; }
 
+  /// For Rolling. With <param name="status_publish_rate"> (Hz) a message is sent to ~/hardware_status at that
+  /// rate: a copy of the one that the first function sets up, filled in by the second one on the node's
+  /// thread.
+  virtual CallbackReturn init_hardware_status_message(control_msgs::msg::HardwareStatus&) {
+    return CallbackReturn::SUCCESS;
+  }
+  virtual return_type update_hardware_status_message(control_msgs::msg::HardwareStatus&) {
+    return return_type::OK;
+  }
+
   virtual std::string get_name() const { return info_.name; }
   std::string get_group_name() const { return info_.group; }
   const HardwareInfo& get_hardware_info() const { return info_; }
@@ -131,7 +143,10 @@ class HardwareComponentInterface : public rclcpp_lifecycle::node_interfaces::Lif
   rclcpp::Clock::SharedPtr get_clock() const { return clock_; }
   rclcpp::Node::SharedPtr get_node() const {
     if (!node_) {
-      node_ = std::make_shared<rclcpp::Node>(info_.name);
+      std::string name = to_lower_case(info_.name);
+      for (char& c : name)
+        if (c == '/') c = '_';
+      node_ = std::make_shared<rclcpp::Node>(name);
       if (const auto executor = executor_.lock()) executor->add_node(node_);
     }
     return node_;
@@ -193,6 +208,36 @@ class HardwareComponentInterface : public rclcpp_lifecycle::node_interfaces::Lif
   std::vector<CommandInterface::SharedPtr> joint_commands_, gpio_commands_, unlisted_commands_;
 
  private:
+  CallbackReturn start_status() {
+    const auto given = info_.hardware_parameters.find("status_publish_rate");
+    if (given == info_.hardware_parameters.end()) return CallbackReturn::SUCCESS;
+    double hz = 0;
+    try {
+      hz = hardware_interface::stod(given->second);
+    } catch (const std::invalid_argument&) {
+      RCLCPP_WARN(logger_, "status_publish_rate '%s' is not a number: no status is published",
+                  given->second.c_str());
+    }
+    if (!(hz > 0)) return CallbackReturn::SUCCESS;
+    if (const auto result = init_hardware_status_message(status_); result != CallbackReturn::SUCCESS)
+      return result;
+    if (status_.hardware_device_states.empty()) {
+      RCLCPP_WARN(logger_, "init_hardware_status_message names no device: no status is published");
+      return CallbackReturn::SUCCESS;
+    }
+    status_publisher_ = get_node()->create_publisher<control_msgs::msg::HardwareStatus>(
+        "~/hardware_status", rclcpp::SystemDefaultsQoS());
+    status_timer_ = get_node()->create_wall_timer(std::chrono::duration<double>(1 / hz), [this] {
+      control_msgs::msg::HardwareStatus message = status_;
+      if (update_hardware_status_message(message) != return_type::OK) {
+        RCLCPP_WARN_THROTTLE(logger_, *clock_, 1000, "update_hardware_status_message returns an error");
+        return;
+      }
+      message.header.stamp = clock_->now();
+      status_publisher_->publish(message);
+    });
+    return CallbackReturn::SUCCESS;
+  }
   void take(const HardwareInfo& info) {
     if (taken_) return;
     taken_ = true;
@@ -247,6 +292,9 @@ class HardwareComponentInterface : public rclcpp_lifecycle::node_interfaces::Lif
   rclcpp::Clock::SharedPtr clock_ = std::make_shared<rclcpp::Clock>(RCL_ROS_TIME);
   mutable rclcpp::Node::SharedPtr node_;
   std::weak_ptr<rclcpp::Executor> executor_;
+  control_msgs::msg::HardwareStatus status_;  ///< as the plugin sets it up
+  rclcpp::Publisher<control_msgs::msg::HardwareStatus>::SharedPtr status_publisher_;
+  rclcpp::TimerBase::SharedPtr status_timer_;
   std::unordered_map<std::string, StateInterface::SharedPtr> states_;
   std::unordered_map<std::string, CommandInterface::SharedPtr> commands_;
 };
