@@ -7,6 +7,7 @@
 #include <cmath>
 #include <thread>
 
+#include "controller_interface/test_utils.hpp"
 #include "polyarm/controllers/controller_rig.hpp"
 #include "std_msgs/msg/string.hpp"
 #include "tests/ros_packages/two_joints/src/scale.cpp"
@@ -256,6 +257,28 @@ TEST(RosController, ItsNodeHasTheDescriptionOfItsRobotAsAParameter) {
     ASSERT_TRUE(arm.start());
     EXPECT_NE(wrapped_controllers::Early::description.find(own ? "other" : "pump"), std::string::npos);
     for (const auto& each : arm.context().parameters.declared()) EXPECT_NE(each.key, "robot_description");
+  }
+}
+
+/// Its tests in ROS compare these words.
+TEST(RosController, AnErrorOfATransitionIsInTheWordsOfRos) {
+  class Broken : public Mover {
+    wrapped_controllers::CallbackReturn on_configure(const rclcpp_lifecycle::State&) override {
+      return wrapped_controllers::CallbackReturn::ERROR;
+    }
+    wrapped_controllers::CallbackReturn on_error(const rclcpp_lifecycle::State&) override {
+      return wrapped_controllers::CallbackReturn::FAILURE;
+    }
+  };
+  const auto broken = std::make_unique<Broken>();
+  ci::ControllerInterfaceParams params;
+  params.controller_name = "broken";
+  ASSERT_EQ(broken->init(params), ci::return_type::OK);
+  try {
+    controller_interface::configure_succeeds(broken);
+    FAIL() << "it does not throw";
+  } catch (const std::runtime_error& e) {
+    EXPECT_STREQ(e.what(), "Unexpected controller state in configure_succeeds: 4");
   }
 }
 

@@ -1,5 +1,9 @@
 #pragma once
-/// What plugins get from ROS's headers without including it themselves.
+/// What plugins get from ROS's headers without including it themselves. Without <math.h> and <stdlib.h>,
+/// abs(x) of a double without std:: is that of C, which makes an int of it.
+#include <math.h>
+#include <stdlib.h>
+
 #include <algorithm>
 #include <array>
 #include <atomic>

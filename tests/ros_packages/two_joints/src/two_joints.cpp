@@ -8,6 +8,9 @@
 
 namespace two_joints {
 
+// In ROS the headers above bring this abs of doubles; the one of C makes an int of them.
+static_assert(sizeof(abs(0.5)) == sizeof(double));
+
 using hardware_interface::CallbackReturn;
 using hardware_interface::return_type;
 
