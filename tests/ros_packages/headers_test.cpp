@@ -6,6 +6,7 @@
 
 #include "angles/angles.h"
 #include "control_msgs/msg/joint_trajectory_controller_state.hpp"
+#include "controller_interface/helpers.hpp"
 #include "hardware_interface/handle.hpp"
 #include "hardware_interface/lexical_casts.hpp"
 #include "rclcpp/rclcpp.hpp"
@@ -33,6 +34,21 @@ TEST(Angles, GoTheShortestWayWithinLimitsOfMoreThanATurn) {
   EXPECT_NEAR(way, 0.2 - 6, 1e-12);
   EXPECT_FALSE(angles::shortest_angular_distance_with_large_limits(8, 0.2, -7, 7, way));
   EXPECT_NEAR(angles::normalize_angle(3 * M_PI / 2), -M_PI / 2, 1e-12);
+}
+
+TEST(Handles, AreOrderedIntoAListThatHasReservedNoRoom) {
+  std::vector<hardware_interface::StateInterface> all;
+  all.emplace_back("wrist", "position", "double");
+  all.emplace_back("elbow", "position", "double");
+  all.emplace_back("elbow", "velocity", "double");
+  std::vector<std::reference_wrapper<hardware_interface::StateInterface>> ordered;
+  EXPECT_TRUE(controller_interface::get_ordered_interfaces(all, {"elbow", "wrist"}, "position", ordered));
+  ASSERT_EQ(ordered.size(), 2u);
+  EXPECT_EQ(ordered[0].get().get_name(), "elbow/position");
+  EXPECT_EQ(ordered[1].get().get_name(), "wrist/position");
+  ordered.clear();
+  EXPECT_FALSE(
+      controller_interface::get_ordered_interfaces(all, {"elbow/velocity", "knee/position"}, "", ordered));
 }
 
 TEST(Messages, AreTextInTheFormOfRos) {

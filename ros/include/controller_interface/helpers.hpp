@@ -1,7 +1,6 @@
 #pragma once
 #include <algorithm>
 #include <functional>
-#include <stdexcept>
 #include <string>
 #include <vector>
 
@@ -9,14 +8,12 @@
 
 namespace controller_interface {
 
-/// Appends to `out` those of `all` that `names` lists, in its order; true if all were found. Throws
-/// std::range_error if `out` would have to allocate.
+/// Appends to `out` those of `all` that `names` lists, in its order; true if all were found. As in Humble and
+/// Jazzy it allocates if `out` has no room for them; a controller of Rolling has reserved it.
 template <typename T>
 bool get_ordered_interfaces(std::vector<T>& all, const std::vector<std::string>& names,
                             const std::string& type, std::vector<std::reference_wrapper<T>>& out) {
-  if (out.capacity() < names.size())
-    throw std::range_error("ordered_interfaces has room for " + std::to_string(out.capacity()) + " of " +
-                           std::to_string(names.size()) + " interfaces: reserve it in on_configure");
+  out.reserve(names.size());
   for (const std::string& name : names)
     for (T& each : all) {
       const std::string& whole = each.get_name();
