@@ -19,6 +19,13 @@ bool leaves_block(Task& task, const Depths& to) {
   return task.locks.size() > frame.locks + static_cast<std::size_t>(to.locks) ||
          task.handlers.size() > frame.handlers + static_cast<std::size_t>(to.handlers);
 }
+
+/// An error that is raised again is still that of its robot.
+void keep_robot(const data::Record& error, Problem& problem) {
+  const Value* const robot = error.find("robot");
+  const std::string* const name = robot ? robot->as_text() : nullptr;
+  if (name && !name->empty()) problem.facts.push_back({"robot", *name});
+}
 }  // namespace
 
 void Interpreter::execute_flow(Task& task, const Step& step) {
@@ -114,6 +121,7 @@ void Interpreter::raise_step(Task& task, const Step& step) {
   const Value* line = part("line");
   if (line && line->as_number())
     problem.where = first_of_line(problem.where.file, line->as_number()->value);
+  if (record) keep_robot(*record, problem);
   throw Error(std::move(problem));
 }
 
@@ -218,7 +226,9 @@ void Interpreter::retry(Task& task, const Step& step) {
     const data::Record error = *task.local(step.a + 1).value.as_record();
     const Location where =
         first_of_line(program_.at(source(step).line).file, error.find("line")->as_number()->value);
-    throw Error(Problem{error.find("kind")->text(), where, error.find("text")->text(), {}});
+    Problem problem{error.find("kind")->text(), where, error.find("text")->text(), {}};
+    keep_robot(error, problem);
+    throw Error(std::move(problem));
   }
   count = tried + 1;
   const Depths& outside = at(code_.depths, step.c);

@@ -253,10 +253,12 @@ void Interpreter::step_whens() {
     Task& task = *tasks_[i];
     if (task.waiting.kind != WaitKind::turn) continue;
     go_on(task);
-    if (run_task(task, budget))
+    while (run_task(task, budget)) {  // an error that it caught pauses it
+      if (budget > 0) continue;
       raise(task,
             {"too-long", {}, "this 'when' does not come to its end", "it runs within one cycle of the cell"},
             false);
+    }
   }
 }
 
@@ -294,6 +296,24 @@ void Interpreter::stop() {
   end_program(TaskState::stopped);
 }
 
+namespace {
+/// The number of `use` lines outside of blocks that `main` has executed, and that are in front of `on stop`.
+template <typename Task>
+std::size_t uses_outside_blocks(const Code& code, const Task& main) {
+  const std::size_t at = main.frames.size() > 1 ? main.frames[1].return_to - 1 : main.pc;
+  int out = 0;
+  for (const StartingPoint& each : code.starts) {
+    if (!each.top) continue;
+    if (static_cast<std::size_t>(each.begin) > at) break;
+    const bool used =
+        each.statement->kind == Statement::Kind::use && static_cast<std::size_t>(each.end) <= at;
+    out = each.uses + (used ? 1 : 0);
+    if (each.statement->kind == Statement::Kind::on_stop) break;
+  }
+  return std::min(main.uses.size(), static_cast<std::size_t>(out));
+}
+}  // namespace
+
 /// Runs the block `on stop` once after any end of the program, when its robots are at standstill.
 void Interpreter::step_clean_up(int& budget) {
   if (ended() || !host_.standing()) return;
@@ -301,6 +321,7 @@ void Interpreter::step_clean_up(int& budget) {
   if (!task) {
     task = &add_task("on stop", code_.on_stop, true);
     task->uses = tasks_.front()->uses;
+    task->uses.resize(uses_outside_blocks(code_, *tasks_.front()));
     task->frames.front().uses = task->uses.size();
   }
   task->apart = true;
