@@ -136,7 +136,11 @@ void Programs::start(program::Program program) {
   context.moves = moves_.get();
   force_ = std::make_unique<ForceReadings>(setup_, machine_, observer_);
   context.force = force_.get();
-  context.standing = [this] { return machine_.snapshot().standing; };
+  context.standing = [this] {
+    // A move that is planned may begin in the next cycle, unless the cell is held.
+    const control::Snapshot& now = machine_.snapshot();
+    return now.standing && (now.state != control::RunState::running || motions_.all_idle());
+  };
   context.seen_outside = [this](const std::string& name) {
     const std::string set = data_.store.set_of(name);
     return (!set.empty() && data_.files().is_live(set)) || data_.links().source_of(name).has_value();
@@ -383,8 +387,23 @@ bool Programs::hears_devices() const {
   return (streams_ && open) || ((belts_ || inputs) && setup_.options.real);
 }
 
+namespace {
+/// True if the program ends in this tick, or its `on stop` block has not ended.
+bool ends(const Task& program) {
+  return program.interpreter().ending() &&
+         (!program.ended() || program.interpreter().state() == program::TaskState::stopped);
+}
+}  // namespace
+
 void Programs::tick_program() {
-  if (!safe_points_) return program_->tick();
+  // Robots that still move stop on their paths; the `on stop` block runs when they stand.
+  const auto stop_robots = [&] {
+    if (ends(*program_)) motions_.end();
+  };
+  if (!safe_points_) {
+    program_->tick();
+    return stop_robots();
+  }
   if (held_parts_->changed(machine_.snapshot()))
     safe_points_->set_held(held_parts_->names(machine_.snapshot()));
   // A program that goes on behind comply() would press with a stiff tool.
@@ -393,6 +412,7 @@ void Programs::tick_program() {
   };
   program_->tick(look);
   look();
+  stop_robots();
 }
 
 }  // namespace polyarm::cell

@@ -204,6 +204,49 @@ TEST(Moves, AFailureOfOneInStepIsTheErrorOfAllAndEndsWithIt) {
   }
 }
 
+// A program that fails stops its robots also if it has an `on stop` block, which begins when they stand.
+TEST(Moves, AFailedProgramDoesNotExecuteItsQueuedMovesBeforeOnStop) {
+  const std::string away = "movej joints(60deg, -30deg, 60deg, 0, 60deg, 0), speed 10%\n";
+  for (const auto& [program, least, most] :
+       {std::tuple{away + "raise \"no\"\n", 0.0, 0.1},  // before the first move begins
+        {"task one\n" + away + away + "end\ntask two\nwait 1s\nraise \"no\"\nend\n", 2.0, 40.0},
+        {"every 1s\nset At = 1 / (At - At)\nend\n" + away + "wait 1ms\n", 2.0, 40.0}}) {
+    const test::Folder folder;
+    folder.write("go.script", program +
+                                  "on stop\n  try\n    raise \"caught\"\n  on error\n  end\n"
+                                  "  let q = here_joints()\n  set At = q.joint_1 / 1deg\nend\n");
+    folder.write("signals.yaml", "polyarm: signals/1\ntags:\n  At: {initial: 0}\n");
+    folder.write("cell.yaml", "polyarm: cell/1\nrobots:\n  arm: {model: " + std::string(POLYARM_SOURCE_DIR) +
+                                  "/examples/r6bot/r6bot.urdf, hardware: mock}\nprogram: go\n"
+                                  "signals: signals.yaml\n");
+    LockStepCell run(cell::read_cell_file(folder.path()));
+    while (!run.cell().finished() && run.cell().loop().cycle().time < nanoseconds(30.0)) run.tick();
+    EXPECT_TRUE(run.cell().program()->failed()) << program;
+    const double at = run.cell().store().find("At")->as_number()->value;
+    EXPECT_GE(at, least) << program;
+    EXPECT_LT(at, most) << program;
+    EXPECT_NEAR(at, run.cell().snapshot().commands.front() * 180 / M_PI, 1e-3) << "it stood: " << program;
+  }
+}
+
+// `stop` in a task ends the moves of the others.
+TEST(Moves, StopStopsTheRobotsOfOtherTasks) {
+  for (const std::string end : {"", "on stop\nlog(1)\nend\n"}) {
+    const test::Folder folder;
+    LockStepCell run(
+        with_program(folder,
+                     "task one\nmovej joints(60deg, -30deg, 60deg, 0, 60deg, 0), speed 10%\nend\n"
+                     "task two\nwait 1s\nstop\nend\n" +
+                         end,
+                     ""));
+    while (!run.cell().finished() && run.cell().loop().cycle().time < nanoseconds(30.0)) run.tick();
+    EXPECT_TRUE(run.cell().finished());
+    EXPECT_TRUE(run.cell().snapshot().standing) << end;
+    EXPECT_LT(run.cell().loop().cycle().time, nanoseconds(2.0)) << end;
+    EXPECT_LT(run.cell().snapshot().commands.front(), 40 * M_PI / 180) << end;
+  }
+}
+
 // Of two robots, blocks beside the program use the one that `use` names at their line.
 TEST(Moves, BlocksThatRunByThemselvesHaveTheDefaultsOfTheirLine) {
   const test::Folder folder;
@@ -222,14 +265,16 @@ TEST(Moves, BlocksThatRunByThemselvesHaveTheDefaultsOfTheirLine) {
                "wait 100ms\n"
                "raise \"{ys[1] > 1m} {ys[2] > 1m}\"\n"
                "on stop\n"
-               "  log(\"{fk(ready).y > 1m}\")\n"
+               "  set Side = fk(ready).y / 1m\n"
                "end\n");
+  folder.write("signals.yaml", "polyarm: signals/1\ntags:\n  Side: {initial: 0}\n");
   folder.write("cell.yaml", "polyarm: cell/1\nrobots:\n  left: {model: " + urdf +
                                 ", hardware: mock}\n  right: {model: " + urdf +
-                                ", at: [0, 2, 0], hardware: mock}\nprogram: go\n");
+                                ", at: [0, 2, 0], hardware: mock}\nprogram: go\nsignals: signals.yaml\n");
   LockStepCell run(cell::read_cell_file(folder.path()));
   while (!run.cell().finished() && run.cell().loop().cycle().time < nanoseconds(10.0)) run.tick();
   EXPECT_EQ(run.cell().program()->status().problem.value_or(Problem{}).what, "True True");
+  EXPECT_GT(run.cell().store().find("Side")->as_number()->value, 1);
 }
 
 // A handler begins while the moves before the error are still under way; what needs rest waits for them.
