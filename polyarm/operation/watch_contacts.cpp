@@ -21,13 +21,29 @@ bool belongs(const std::string& name, const std::string& robot) {
 }
 
 /// True if the robot only rests: its trajectory controller holds its joints, has nothing to follow, and
-/// nobody drives its base. Only then nothing else can have moved it.
+/// nobody drives its base. Else something may have moved it.
 bool rests(const Watches::Owners& cell, std::size_t r) {
   const moves::RobotMotion* const motion = cell.motions.motion(r);
   if (!motion || !motion->idle() || motion->complying() || cell.motions.base(r).moves()) return false;
   const controllers::JointTrajectoryController* const holds =
       trajectory_controller_of(*cell.setup.robots[r], cell.machine.controllers(), false);
   return holds && holds->status().active.load(std::memory_order_acquire) == 0;
+}
+
+/// True if the body or part of this name moves with the robot.
+bool moves_with(const Watches::Owners& cell, const std::string& name, std::size_t r) {
+  if (belongs(name, cell.setup.robots[r]->entry.name)) return true;
+  const auto& parts = cell.machine.snapshot().world.parts;
+  for (std::size_t p = 0; p < cell.setup.scene.parts.size() && p < parts.size(); ++p)
+    if (name == "part " + cell.setup.scene.parts[p].name) return parts[p].held_by == static_cast<int>(r);
+  return false;
+}
+
+/// True if all robots of a contact rest.
+bool all_rest(const Watches::Owners& cell, const ContactReport& contact) {
+  for (std::size_t r = 0; r < cell.setup.robots.size(); ++r)
+    if ((moves_with(cell, contact.a, r) || moves_with(cell, contact.b, r)) && !rests(cell, r)) return false;
+  return true;
 }
 
 /// Why one of the robots of a contact fell. Skipped if contacts are allowed, because there may be many.
@@ -42,17 +58,10 @@ std::string falls(const CellSetup& setup, const ContactReport& contact) {
 
 /// The robot of a contact, preferably one that moves; a held part counts as its holder. -1: none.
 int Watches::robot_in(const ContactReport& contact) const {
-  const auto holder = [&](const std::string& name) {
-    const auto& parts = cell_.machine.snapshot().world.parts;
-    for (std::size_t p = 0; p < cell_.setup.scene.parts.size() && p < parts.size(); ++p)
-      if (name == "part " + cell_.setup.scene.parts[p].name) return parts[p].held_by;
-    return -1;
-  };
   int out = -1;
   for (const std::string* name : {&contact.a, &contact.b})
     for (std::size_t r = 0; r < cell_.setup.robots.size(); ++r) {
-      if (!belongs(*name, cell_.setup.robots[r]->entry.name) && holder(*name) != static_cast<int>(r))
-        continue;
+      if (!moves_with(cell_, *name, r)) continue;
       if (!cell_.motions.idle(r) || cell_.jogging.engaged(r)) return static_cast<int>(r);
       if (out < 0) out = static_cast<int>(r);
     }
@@ -77,7 +86,7 @@ void Watches::find_cause(ContactReport& contact) const {
   } else if (cell_.motions.wheels(r) && !cell_.motions.wheels(r)->idle() && cell_.programs.under_way()) {
     contact.during = ContactDuring::program;
     contact.where = cell_.programs.program()->status().where;
-  } else if (rests(cell_, r)) {
+  } else if (all_rest(cell_, contact)) {
     contact.during = ContactDuring::rest;
     contact.robot.clear();
   }

@@ -28,8 +28,9 @@ class TouchingMock : public FailingMock {
  public:
   static inline std::atomic<bool> touches{false}, is_real{false};
   static inline std::atomic<double> depth{0.002};
+  static inline std::string other = "fixture wall";
   const hardware::WorldState* world() const noexcept override { return &world_; }
-  std::vector<std::string> world_names() const override { return {"arm/link_6", "fixture wall"}; }
+  std::vector<std::string> world_names() const override { return {"arm/link_6", other}; }
   bool real() const noexcept override { return is_real; }
   hardware::ReturnType read(const hardware::Cycle& cycle, std::span<double> states) noexcept override {
     constexpr int kMost = hardware::WorldState::kMaxFindings;
@@ -69,6 +70,7 @@ class Ways : public ::testing::Test {
     cell.reset();
     FailingMock::fails = false;
     FailingMock::pushed = 0;
+    TouchingMock::other = "fixture wall";
   }
   void write_cell(const std::string& more) {
     folder.write("cell.yaml", "polyarm: cell/1\nrobots:\n  arm: {model: " POLYARM_SOURCE_DIR
@@ -440,6 +442,32 @@ TEST_F(Ways, AContactWithARobotAtRestHasNoLineAndSaysSo) {
   EXPECT_NE(told["list"][0]["text"].get<std::string>().find("while the robot only stood there"),
             std::string::npos)
       << told;
+}
+
+// Of two robots, one rests. Nothing holds the joints of the other, so it may have moved.
+TEST_F(Ways, AContactOfTwoRobotsIsNoneAtRestUnlessBothRest) {
+  write_cell("  second: {model: " POLYARM_SOURCE_DIR
+             "/examples/r6bot/r6bot.urdf, hardware: mock, at: [0, 2, 0]}\n");
+  TouchingMock::other = "second/link_6";
+  hardware::register_driver("mock",
+                            [] { return std::unique_ptr<hardware::Component>(new drivers::MockComponent); });
+  for (const char* expected : {"rest", "other"}) {
+    build();
+    if (expected == std::string("other")) {
+      std::vector<std::string> names;
+      const Json all = ask("control.list");
+      for (const Json& each : all["result"])
+        if (each["name"].get<std::string>().find("second") != std::string::npos)
+          names.push_back(each["name"]);
+      ASSERT_FALSE(names.empty());
+      cell->ask({{"request", "control.switch"}, {"deactivate", names}});
+      cell->run(0.1);
+    }
+    touch();
+    const Json told = contacts();
+    ASSERT_EQ(told["list"].size(), 1u) << told;
+    EXPECT_EQ(told["list"][0]["doing"], expected) << told;
+  }
 }
 
 TEST_F(Ways, ContactsAreToldAfterManyOfThem) {
