@@ -29,8 +29,9 @@ constexpr Nanoseconds kWeighing = 500'000'000;
 
 void require_rest(const PointOwners& cell, std::size_t i) {
   if (cell.machine.snapshot().standing && cell.motions.idle(i)) return;
-  const std::string& name = cell.setup.robots[i]->entry.name;
-  throw Error("moving", "'" + name + "' moves", "wait until it is at rest");
+  if (cell.motions.idle(i))  // it is jogged, or another robot moves
+    throw Error("moving", "something in the cell moves", "wait until all robots are at rest");
+  throw Error("moving", "'" + cell.setup.robots[i]->entry.name + "' moves", "wait until it is at rest");
 }
 
 /// The states that feel what the hand carries.

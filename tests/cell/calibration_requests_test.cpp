@@ -143,6 +143,16 @@ TEST_F(CalibrationRequests, AMovingRobotGivesNoSample) {
   cell->run(0.3);
   ASSERT_FALSE(cell->cell().snapshot().standing);
   EXPECT_EQ(refused({{"request", "calibrate.sample"}}), "moving: 'arm' moves");
+
+  folder.write("main.script", "movej joints(1rad, 0.5rad, 0, 0, 0, 0), robot other\n");
+  folder.write("cell.yaml",
+               "polyarm: cell/1\nrobots:\n  arm: {model: arm.urdf, hardware: mock}\n"
+               "  other: {model: arm.urdf, hardware: mock, at: [0, 2, 0]}\nprogram: main.script\n");
+  cell = std::make_unique<LockStepCell>(read_cell_file(folder.path()));
+  cell->run(0.3);
+  ASSERT_FALSE(cell->cell().snapshot().standing);
+  EXPECT_EQ(refused({{"request", "calibrate.sample"}, {"robot", "arm"}}),
+            "moving: something in the cell moves");
 }
 
 TEST_F(CalibrationRequests, WithoutForcesThatIsSaid) {
