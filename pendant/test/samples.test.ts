@@ -57,9 +57,10 @@ describe('what the wizards say of the poses', () => {
     expect(pointing([...up])).toBe('the hand points up');
     expect(pointing([0, half, 0, half])).toBe('the hand points 90° from down');
   });
-  it('names the joints that have hardly moved', async () => {
-    const { hardlyMoved } = await import('../src/pages/points/directions');
-    expect(hardlyMoved([], 1)).toEqual([]);
-    expect(hardlyMoved([{ base: 0, elbow: -1 }, { base: 0.9, elbow: 0.5 }], 1)).toEqual(['base']);
+  it('names the joints that have hardly turned, and none that slides', async () => {
+    const { hardlyTurned } = await import('../src/pages/points/directions');
+    const joints = [{ name: 'base', unit: 'rad' }, { name: 'elbow', unit: 'rad' }, { name: 'rail', unit: 'm' }];
+    expect(hardlyTurned([], 1, joints)).toEqual([]);
+    expect(hardlyTurned([{ base: 0, elbow: -1, rail: 0 }, { base: 0.9, elbow: 0.5, rail: 0.8 }], 1, joints)).toEqual(['base']);
   });
 });

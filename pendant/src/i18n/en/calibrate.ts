@@ -45,7 +45,7 @@ export const calibrate = {
   'calibrate.jInBase': 'It measures in the base of the robot',
   'calibrate.jOfFlange': 'The target is the flange itself',
   'calibrate.jCount': '{count} of {of} poses are taken.',
-  'calibrate.jStill': 'These joints have moved less than 57° so far: {joints}.',
+  'calibrate.jStill': 'These joints have turned less than 57° so far: {joints}.',
   'calibrate.jOffset': 'Offset',
   'calibrate.jSigma': 'Uncertainty',
   'calibrate.jHidden': 'not visible in these poses',

@@ -47,7 +47,7 @@ export const calibrate: Record<keyof typeof en, string> = {
   'calibrate.jInBase': 'Mide en la base del robot',
   'calibrate.jOfFlange': 'El objetivo es la propia brida',
   'calibrate.jCount': '{count} de {of} poses tomadas.',
-  'calibrate.jStill': 'Estos ejes se han movido menos de 57° hasta ahora: {joints}.',
+  'calibrate.jStill': 'Estos ejes han girado menos de 57° hasta ahora: {joints}.',
   'calibrate.jOffset': 'Desfase',
   'calibrate.jSigma': 'Incertidumbre',
   'calibrate.jHidden': 'no visible en estas poses',

@@ -11,7 +11,7 @@ import { Button, Segmented, Select, Toggle } from '../../ui/controls';
 import { Dialog } from '../../ui/Dialog';
 import { jointText, jointTitle, kDeg, mm } from '../../ui/format';
 import { AfterStoring, type Mode, ModeChoice, Refused, stored, Taken, useDry } from './calibrating';
-import { hardlyMoved } from './directions';
+import { hardlyTurned } from './directions';
 import { at } from './FrameWizard';
 import './points.css';
 import { armPoses, MoveButton, waiting, Whose } from './teaching';
@@ -22,7 +22,7 @@ const kLeast = { measure: 4, check: 3 };
 const kGood = 30;
 /** s; a value that has not changed for longer may be the one of an earlier pose. */
 const kOld = 5;
-/** rad; a joint shows its offset if it has moved by more. */
+/** rad; a joint shows its offset if it has turned by more. */
 const kSpan = 1;
 
 /** The choices of the wizard; kept while the user moves the robot. */
@@ -62,7 +62,7 @@ export function JointsWizard({ onClose }: { onClose: () => void }) {
       setSaving(false);
     }
   };
-  const still = mode === 'measure' && taken.length >= 2 ? hardlyMoved(taken.map((each) => each.joints), kSpan) : [];
+  const still = mode === 'measure' && taken.length >= 2 ? hardlyTurned(taken.map((each) => each.joints), kSpan, robot.value?.joints ?? []) : [];
   const left = (i: number) => {
     const value = answer?.position_residuals[i];
     if (value === undefined) return at(taken[i]!.measured.p);

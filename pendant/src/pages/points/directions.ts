@@ -1,4 +1,4 @@
-/** Where a hand points, and how far joints have moved between samples. No side effects. */
+/** Where a hand points, and how far joints have turned between samples. No side effects. */
 import { t } from '../../i18n';
 import type { Quat } from '../../wire/types';
 import { kDeg } from '../../ui/format';
@@ -16,10 +16,11 @@ export function pointing(q: Quat): string {
   return t('calibrate.isLeaning', { degrees: Math.round(lean) });
 }
 
-/** The joints whose values differ by less than `least` in all samples, in their order. */
-export function hardlyMoved(samples: Record<string, number>[], least: number): string[] {
+/** The joints that turn and whose values differ by less than `least`, in rad, in all samples; in their order. */
+export function hardlyTurned(samples: Record<string, number>[], least: number, joints: readonly { name: string; unit: string }[]): string[] {
   if (samples.length === 0) return [];
   return Object.keys(samples[0]!).filter((joint) => {
+    if (joints.find((each) => each.name === joint)?.unit === 'm') return false;
     const values = samples.map((each) => each[joint] ?? 0);
     return Math.max(...values) - Math.min(...values) < least;
   });
