@@ -62,6 +62,8 @@ export const files: Readonly<Record<string, string>> = {
   'nothing-moves': 'Nada se mueve en este robot',
   'no-limits': 'Faltan los límites de un eje',
   'no-limit': 'Falta el límite de un eje',
+  'degrees': 'Los límites de un eje parecen grados',
+  'xacro-prefix': 'Un elemento de xacro no tiene el prefijo',
   'no-velocity': 'Falta la velocidad de un eje',
   'not-removed': 'No se pudo quitar',
   'other-robot': 'Es de otro robot',
