@@ -6,6 +6,7 @@
 
 #include "apps/options.hpp"
 #include "polyarm/description/bodies.hpp"
+#include "polyarm/description/branch.hpp"
 #include "polyarm/description/urdf.hpp"
 #include "polyarm/hulls/robot_bodies.hpp"
 #include "polyarm/ik/inverse_kinematics.hpp"
@@ -119,6 +120,7 @@ json json_of(const RobotModel& model) {
               {"payload_kg", optional(model.provenance.payload_kg)},
               {"without_body", description::links_without_body(model)},
               {"placeholders", description::placeholders(model)},
+              {"arms", description::arms_of(model).tools},
               {"joints", json::array()}};
   for (const description::Joint& joint : model.joints) {
     const auto& l = joint.limits;
@@ -209,6 +211,8 @@ void print(const RobotModel& model) {
   if (const auto links = description::links_without_body(model); !links.empty())
     fmt::print("  contacts are not detected, no <collision> or its mesh could not be read: {}\n", fmt::join(links, ", "));
   for (const std::string& text : description::placeholders(model)) fmt::print("  note: {}\n", text);
+  if (const std::string hint = description::hint_of_arms(model); !hint.empty())
+    fmt::print("  note: {}\n", hint);
 }
 
 }  // namespace

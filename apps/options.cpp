@@ -4,6 +4,7 @@
 #include <filesystem>
 
 #include "polyarm/base/text.hpp"
+#include "polyarm/description/branch.hpp"
 #include "polyarm/plugins/built.hpp"
 #include "polyarm/plugins/plugins.hpp"
 #include "polyarm/setup/cell_file.hpp"
@@ -72,6 +73,7 @@ Option* RobotOption::add_to(CommandLine& app, const std::string& what) {
   Option* robot = app.add_option("robot", name, what);
   app.add_option("arguments", arguments, "NAME:=VALUE of a description in xacro");
   app.add_option("--tip", tip, "the link that carries the tool (else the flange or palm that is found)");
+  app.add_option("--branch", branch, "only the arm with this link, of a description with several arms");
   return robot;
 }
 
@@ -100,6 +102,7 @@ description::RobotModel RobotOption::load(Problems& warnings, const description:
     }
     warnings.add(std::move(problem));
   }
+  description::keep_branch(model, branch);
   description::set_tip(model, tip);
   return model;
 }

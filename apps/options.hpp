@@ -26,9 +26,10 @@ std::map<std::string, std::string> named_values(const std::vector<std::string>& 
 /// The catalogue: folders of --catalogue first, then the installed one.
 description::Catalogue open_catalogue();
 
-/// The robot of a verb: its name or file, arguments of a xacro file, and the link that has the tool.
+/// The robot of a verb: its name or file, arguments of a xacro file, the link that has the tool, and
+/// the arm that it is of a description with several.
 struct RobotOption {
-  std::string name, tip;
+  std::string name, tip, branch;
   std::vector<std::string> arguments;
   std::string of_numbers;  ///< the verb's option that takes numbers
 
