@@ -161,6 +161,8 @@ void CellOption::add_to(CommandLine& app) {
   app.add_option("--description", description,
                  "a robot's URDF or xacro, or its catalogue name, instead of a cell");
   app.add_option("--controllers", controllers, "controllers YAML for --description; may be repeated");
+  app.add_option("--branch", branch,
+                 "with a robot: only the arm with this link, of a description with several");
 }
 
 std::optional<int> CellOption::settle(const std::string& verb) {
@@ -175,6 +177,11 @@ std::optional<int> CellOption::settle(const std::string& verb) {
     fmt::print(stderr,
                "polyarm {0}: name a cell, or a robot with --description FILE.urdf; see polyarm {0} --help\n",
                verb);
+    return kUsage;
+  }
+  if (!branch.empty() && description.empty()) {
+    fmt::print(stderr, "polyarm {}: --branch goes with a robot; in a cell, write 'branch: {}' to a robot\n",
+               verb, branch);
     return kUsage;
   }
   if (is_ros2_launch(named)) return explain_launch_file(verb, named, named_values(arguments));
@@ -211,6 +218,8 @@ cell::CellFile CellOption::open() const {
                             : cell::cell_from_description(description, controllers, overrides);
   for (const auto& [name, value] : named_values(arguments))
     for (cell::RobotEntry& robot : file.robots) robot.arguments[name] = value;
+  if (!branch.empty())
+    for (cell::RobotEntry& robot : file.robots) robot.branch = branch;
   if (!activate.empty()) file.activate = activate;
   return file;
 }

@@ -11,7 +11,7 @@
 namespace polyarm::apps {
 
 struct CellOption {
-  std::string cell, description;
+  std::string cell, description, branch;
   std::vector<std::string> controllers, activate, arguments;
   cell::Overrides overrides;
 

@@ -6,9 +6,9 @@
 #include <cmath>
 #include <iterator>
 #include <set>
-#include <sstream>
 
 #include "polyarm/description/bodies.hpp"
+#include "polyarm/description/branch.hpp"
 #include "polyarm/description/model_builder.hpp"
 #include "polyarm/description/tools.hpp"
 #include "polyarm/hardware/force_sensor.hpp"
@@ -73,6 +73,11 @@ class Writer {
     if (context.scene)
       for (const description::Part& part : context.scene->parts)
         has_mesh_parts_ |= !part.shape.pieces.empty();
+    for (std::size_t r = 0; r < context.robots.size(); ++r) {
+      weighed_.emplace_back(context.robots[r].model->links.size(), 0);
+      for (std::size_t before = 0; before < r; ++before)
+        for (std::size_t i = 0; const char shared : shared_with(r, before)) weighed_[r][i++] |= shared;
+    }
   }
 
   std::string write() {
@@ -188,9 +193,11 @@ class Writer {
   void link(std::size_t r, int index) {
     const description::RobotModel& model = *context_.robots[r].model;
     const description::Link& link = model.links[static_cast<std::size_t>(index)];
-    if (link.inertial && description::plausible(*link.inertial)) {
+    const bool is_weighed = weighed_[r][static_cast<std::size_t>(index)] != 0;
+    if (!is_weighed && link.inertial && description::plausible(*link.inertial)) {
       inertial(*link.inertial);
-    } else if (link.parent_joint >= 0 && model.joints[static_cast<std::size_t>(link.parent_joint)].moves()) {
+    } else if (is_weighed || (link.parent_joint >= 0 &&
+                              model.joints[static_cast<std::size_t>(link.parent_joint)].moves())) {
       line("<inertial pos=\"0 0 0\" mass=\"{:.17g}\" diaginertia=\"1e-4 1e-4 1e-4\"/>", kSmallestMass);
     }
     for (std::size_t s = 0; s < link.collisions.size(); ++s)
@@ -424,6 +431,39 @@ class Writer {
       line("<exclude body1=\"{}\" body2=\"{}\"/>", link_name(r, a), link_name(r, b));
     world_excludes(r, rigid);
     tool_excludes(r, rigid);
+    for (std::size_t other = 0; other < context_.robots.size(); ++other) shared_excludes(r, other);
+  }
+
+  /// By link of robot `r`: what is also a body of the other one, as the torso that carries both. Empty:
+  /// nothing.
+  std::vector<char> shared_with(std::size_t r, std::size_t other) const {
+    const hardware::RobotInstance &one = context_.robots[r], &two = context_.robots[other];
+    if (r == other || one.on != two.on || is_freestanding(one) || is_freestanding(two)) return {};
+    return description::shared_links(*one.model, one.base, *two.model, two.base);
+  }
+
+  /// Each robot meets its own copy of what it shares with another one.
+  void shared_excludes(std::size_t r, std::size_t other) {
+    const std::vector<char> mine = shared_with(r, other);
+    if (mine.empty()) return;
+    const std::vector<char> its = shared_with(other, r);
+    std::vector<std::string> bodies = own_bodies(other);
+    for (std::size_t i = 0; i < its.size(); ++i)
+      if (!its[i] || r < other) bodies.push_back(link_name(other, static_cast<int>(i)));
+    for (std::size_t i = 0; i < mine.size(); ++i)
+      for (const std::string& body : bodies)
+        if (mine[i]) line("<exclude body1=\"{}\" body2=\"{}\"/>", link_name(r, static_cast<int>(i)), body);
+  }
+
+  /// The bodies at the tool link of a robot that are no links.
+  std::vector<std::string> own_bodies(std::size_t r) const {
+    const hardware::RobotInstance& robot = context_.robots[r];
+    if (!robot.tool) return {};
+    std::vector<std::string> own = {tool_name(r)};
+    if (robot.tool->gripper == description::GripperKind::suction) own.push_back(held_name(r));
+    if (robot.tool->gripper == description::GripperKind::parallel)
+      for (int side = 0; side < 2; ++side) own.push_back(finger_name(r, side));
+    return own;
   }
 
   /// A fixture that reaches into a belt would stop its surface. Only parts and robots touch belts.
@@ -464,10 +504,7 @@ class Writer {
     const int before = joint < 0 ? mount
                                  : rigid.body_of_link[static_cast<std::size_t>(
                                        robot.model->joints[static_cast<std::size_t>(joint)].parent_link)];
-    std::vector<std::string> own = {tool_name(r)};
-    if (robot.tool->gripper == description::GripperKind::suction) own.push_back(held_name(r));
-    if (robot.tool->gripper == description::GripperKind::parallel)
-      for (int side = 0; side < 2; ++side) own.push_back(finger_name(r, side));
+    const std::vector<std::string> own = own_bodies(r);
     for (std::size_t i = 0; i < robot.model->links.size(); ++i) {
       const int group = rigid.body_of_link[i];
       if (group != mount && group != before) continue;
@@ -486,6 +523,7 @@ class Writer {
   Capacity capacity_;
   std::size_t geoms_;  ///< of each slot
   bool has_mesh_parts_ = false;
+  std::vector<std::vector<char>> weighed_;  ///< by robot and link: a robot before it has the same body
   std::string out_;
 };
 
@@ -499,81 +537,6 @@ std::string link_name(std::size_t robot, int link) {
 }
 std::string finger_name(std::size_t robot, int side) {
   return fmt::format("finger{}_{}", robot, side);
-}
-
-const hardware::RobotInstance* carrier_of(const hardware::RobotInstance& robot,
-                                          std::span<const hardware::RobotInstance> robots) {
-  const auto carries = [&](const hardware::RobotInstance& each) { return each.name == robot.on; };
-  const auto found = std::find_if(robots.begin(), robots.end(), carries);
-  return robot.on.empty() || found == robots.end() ? nullptr : &*found;
-}
-
-std::vector<ForceSensor> force_sensors(const hardware::RobotInstance& robot) {
-  std::vector<ForceSensor> out;
-  for (const description::HardwareInfo& block : robot.hardware)
-    for (const description::ComponentInfo& component : block.components) {
-      const int link = hardware::force_sensor_link(*robot.model, component);
-      if (link >= 0) out.push_back({component.name, link, hardware::force_sensor_errors(component)});
-    }
-  return out;
-}
-
-bool is_freestanding(const hardware::RobotInstance& robot) {
-  return std::any_of(robot.hardware.begin(), robot.hardware.end(), [](const auto& block) {
-    const auto found = block.parameters.find("base");
-    return found != block.parameters.end() && found->second == "free";
-  });
-}
-
-std::vector<int> wheel_joints(const hardware::RobotInstance& robot) {
-  std::vector<int> out;
-  for (const description::HardwareInfo& block : robot.hardware)
-    if (const auto found = block.parameters.find("wheel_joints"); found != block.parameters.end()) {
-      std::istringstream in(found->second);
-      for (int joint = 0; in >> joint;)
-        if (joint >= 0 && joint < static_cast<int>(robot.model->joints.size())) out.push_back(joint);
-    }
-  return out;
-}
-
-Rigid rigid_links(const description::RobotModel& model) {
-  Rigid out;
-  for (std::size_t i = 0; i < model.links.size(); ++i) {
-    int link = static_cast<int>(i);
-    for (int joint = model.links[i].parent_joint;
-         joint >= 0 && !model.joints[static_cast<std::size_t>(joint)].moves();
-         joint = model.links[static_cast<std::size_t>(link)].parent_joint)
-      link = model.joints[static_cast<std::size_t>(joint)].parent_link;
-    out.body_of_link.push_back(link);
-  }
-  return out;
-}
-
-std::vector<Follower> followers(const description::RobotModel& model) {
-  const auto slides_or_turns = [&](int joint) {
-    using description::JointType;
-    const JointType type = model.joints[static_cast<std::size_t>(joint)].type;
-    return type == JointType::revolute || type == JointType::continuous || type == JointType::prismatic;
-  };
-  std::vector<Follower> out;
-  for (std::size_t j = 0; j < model.joints.size(); ++j) {
-    if (!model.joints[j].mimic || !slides_or_turns(static_cast<int>(j))) continue;
-    Follower follower{static_cast<int>(j), static_cast<int>(j), 1, 0};
-    while (const auto& mimic = model.joints[static_cast<std::size_t>(follower.source)].mimic) {
-      follower.offset += follower.multiplier * mimic->offset;
-      follower.multiplier *= mimic->multiplier;
-      follower.source = mimic->joint;
-    }
-    if (slides_or_turns(follower.source)) out.push_back(follower);
-  }
-  return out;
-}
-
-std::size_t most_pieces(const description::Scene* scene) {
-  std::size_t out = 1;
-  for (std::size_t i = 0; scene && i < scene->parts.size(); ++i)
-    out = std::max(out, pieces_of(scene->parts[i]));
-  return out;
 }
 
 std::string write_mjcf(const hardware::ComponentContext& context, double timestep, std::size_t slots,

@@ -108,7 +108,7 @@ class Checker {
     std::vector<Problem> unchecked = unchecked_bodies(robots_, scene_);
     if (options_.dry)  // finds contacts on any hardware
       std::erase_if(unchecked, [](const Problem& problem) { return problem.code == "no-contacts"; });
-    for (const auto& more : {sentences(unchecked), physics_notes(robots_)})
+    for (const auto& more : {sentences(unchecked), physics_notes(robots_), notes_of_arms(robots_)})
       result_.notes.insert(result_.notes.end(), more.begin(), more.end());
   }
 

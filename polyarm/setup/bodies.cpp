@@ -103,6 +103,9 @@ std::shared_ptr<const ContactBodies> contact_bodies(const CellRobots& robots, co
     one.body = surroundings::robot_body(one);
     out->robots.push_back(std::move(one));
   }
+  std::vector<Pose> bases;
+  for (const auto& robot : robots) bases.push_back(robot->entry.base);
+  surroundings::find_shared(out->robots, bases);
   std::set<std::string> without;
   for (const surroundings::Robot& robot : out->robots)
     for (const std::string& what : surroundings::without_body(robot, out->scene)) without.insert(what);

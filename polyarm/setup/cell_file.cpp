@@ -137,7 +137,8 @@ RobotEntry read_robot(const std::string& name, const Yaml& yaml, Problems& probl
                    "workspace",   "joint_ranges",
                    "payload",     "tip",
                    "on",          "force_sensor",
-                   "calibration", "collision_torque"},
+                   "calibration", "collision_torque",
+                   "branch"},
                   problems);
   robot.payload = read_payload(yaml["payload"], problems);
   robot.workspace = read_workspace(yaml["workspace"], problems);
@@ -153,6 +154,7 @@ RobotEntry read_robot(const std::string& name, const Yaml& yaml, Problems& probl
   });
   collect(problems, [&] { robot.tool = yaml["tool"].text("none"); });
   collect(problems, [&] { robot.tip = yaml["tip"].text(""); });
+  collect(problems, [&] { robot.branch = yaml["branch"].text(""); });
   collect(problems, [&] { robot.calibration = yaml["calibration"].text(""); });
   collect(problems, [&] { robot.on = read_carrier(name, yaml); });
   read_thread(yaml["thread"], robot, problems);

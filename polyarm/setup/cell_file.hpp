@@ -44,6 +44,7 @@ struct RobotEntry {
   std::string hardware = "mock";  ///< driver name, or "declared": that of the description's <ros2_control>
   std::string tool = "none";      ///< built-in tool, or path of a tool file
   std::string tip;                ///< link that carries the tool; empty: chosen by RobotModel::tool_link()
+  std::string branch;             ///< a link of the arm that it is; empty: the whole description
   std::map<std::string, std::string> parameters;  ///< of the hardware
   Nanoseconds budget = 0;                         ///< per read or write in the loop, ns; 0: unlimited
   double rate = 0;                       ///< Hz, for its hardware and its controllers; 0: the loop's rate

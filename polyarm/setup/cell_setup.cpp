@@ -27,7 +27,8 @@ ros_files::ControllersFile read_setup(CellSetup& setup, Observer& observer, Prob
   });
   make_scene_bodies(setup.robots, setup.scene, problems);
   setup.unchecked_bodies = cell::unchecked_bodies(setup.robots, setup.scene);
-  for (const auto& more : {sentences(setup.unchecked_bodies), physics_notes(setup.robots)})
+  for (const auto& more :
+       {sentences(setup.unchecked_bodies), physics_notes(setup.robots), notes_of_arms(setup.robots)})
     notes.insert(notes.end(), more.begin(), more.end());
   for (const std::string& note : notes) observer.on_note(note);
   problems.throw_if_errors();

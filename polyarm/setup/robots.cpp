@@ -13,6 +13,7 @@
 #include "polyarm/base/there.hpp"
 #include "polyarm/calibration/arm_errors.hpp"
 #include "polyarm/description/arm_calibration.hpp"
+#include "polyarm/description/branch.hpp"
 #include "polyarm/description/tools.hpp"
 #include "polyarm/description/urdf.hpp"
 #include "polyarm/hardware/driver_loader.hpp"
@@ -202,6 +203,18 @@ void check_carried(const CellRobot& robot, Problems& problems) {
           "remove 'on', or remove <param name=\"base\">free</param> from its description");
 }
 
+/// One arm of a description cannot take a base with it that the others stand on, too.
+void check_branch_base(const CellRobot& robot, Problems& problems) {
+  if (robot.entry.branch.empty()) return;
+  for (const HardwareBlock& block : robot.blocks)
+    if (const auto base = block.info->parameters.find("base");
+        base != block.info->parameters.end() && base->second == "free")
+      problems.error("bad-branch", robot.entry.place_of("branch"),
+                     "'" + robot.entry.name + "' is one branch of a description that stands free or drives",
+                     "remove <param name=\"base\">free</param> and put the robot on a carrier with 'on', or "
+                     "remove 'branch'");
+}
+
 /// Refuses a payload above the robot's rating, like a program's `payload`; warns of a tool above it.
 void refuse_overload(const CellRobot& robot, Problems& problems) {
   const std::optional<double>& rated = robot.model.provenance.payload_kg;
@@ -286,6 +299,7 @@ std::unique_ptr<CellRobot> resolve(const CellFile& file,
       robot->hardware_faults.push_back(problem);
     else
       problems.add(problem);
+  at_key(entry, "branch", [&] { description::keep_branch(robot->model, entry.branch); });
   description::set_tip(robot->model, entry.tip, entry.where);
   at_key(entry, "calibration", [&] { calibrate(file, entry, robot->model, notes); });
   narrow_ranges(entry.ranges, robot->model, problems);
@@ -305,6 +319,7 @@ std::unique_ptr<CellRobot> resolve(const CellFile& file,
   at_key(entry, "hardware", [&] { choose_drivers(*robot, real, notes); });
   if (file.controllers.empty() && !file.launched) tell_of_controllers(*robot, notes);
   check_carried(*robot, problems);
+  check_branch_base(*robot, problems);
   robot->facts = motion_facts(*robot, file.motion.tcp, std::move(workspace));
   return robot;
 }
@@ -326,6 +341,14 @@ std::vector<NamedHardware> named_real_hardware(const CellRobots& robots) {
     whole.name = robot->entry.name;
     add(robot->entry, whole);
   }
+  return out;
+}
+
+std::vector<std::string> notes_of_arms(const CellRobots& robots) {
+  std::vector<std::string> out;
+  for (const auto& robot : robots)
+    if (const std::string hint = description::hint_of_arms(robot->model); !hint.empty())
+      out.push_back(robot->entry.name + ": " + hint);
   return out;
 }
 
@@ -359,6 +382,31 @@ void check_carriers(const CellRobots& robots, Problems& problems) {
                          "', which is not in physics: it stays where '" + robot->entry.on + "' begins",
                      "give both the same hardware, for example hardware: mujoco");
   }
+}
+
+/// Two branches of one description at one place share what is fixed, but a joint is moved by one robot.
+void check_branches(const CellRobots& robots, Problems& problems) {
+  for (std::size_t a = 0; a < robots.size(); ++a)
+    for (std::size_t b = a + 1; b < robots.size(); ++b) {
+      const CellRobot &one = *robots[a], &other = *robots[b];
+      if (one.entry.on != other.entry.on || (one.entry.branch.empty() && other.entry.branch.empty()))
+        continue;
+      if (description::shared_links(one.model, one.entry.base, other.model, other.entry.base).empty())
+        continue;
+      std::vector<std::string> both;
+      for (const std::string& joint : one.model.joint_names())
+        if (other.model.find_joint(joint) >= 0) both.push_back(joint);
+      if (both.empty()) continue;
+      const bool whole = one.entry.branch.empty() || other.entry.branch.empty();
+      problems.error(
+          "shared-joint", other.entry.place_of("branch"),
+          "'" + one.entry.name + "' and '" + other.entry.name + "' are at the same place and both have " +
+              (both.size() == 1 ? "the joint " : "the joints ") + join(both, ", "),
+          whole ? "give each of them a 'branch' with a link of another arm"
+                : "choose branches without a joint in common; if one joint carries both arms, write a "
+                  "description in which it is fixed, or use the description as one robot, without "
+                  "'branch'");
+    }
 }
 
 /// The robot that has the joint, as controllers find it: "robot/joint", else a joint of the robot to which
@@ -416,6 +464,7 @@ CellRobots resolve_robots(const CellFile& file, const ros_files::ControllersFile
   }
   find_wheels(described, out);
   check_carriers(out, problems);
+  check_branches(out, problems);
   if (real) admit_robots(file, problems);
   return out;
 }

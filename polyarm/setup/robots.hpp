@@ -66,6 +66,9 @@ CellRobots resolve_robots(const CellFile& file, const ros_files::ControllersFile
 CellRobots resolve_robots(const CellFile& file, const description::Catalogue& catalogue, bool real,
                           Problems& problems, std::vector<std::string>& notes);
 
+/// One sentence for each robot that has several arms: how each arm becomes a robot of its own.
+std::vector<std::string> notes_of_arms(const CellRobots& robots);
+
 /// Adds the errors in the robots' <ros2_control>: as errors if the hardware must run, as warnings if only
 /// kinematics is needed.
 void add_hardware_faults(const CellRobots& robots, Severity as, Problems& problems);

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "polyarm/description/bodies.hpp"
+#include "polyarm/description/branch.hpp"
 #include "polyarm/description/tools.hpp"
 #include "polyarm/hulls/robot_bodies.hpp"
 
@@ -53,16 +54,18 @@ std::string prefixed(const Robot& robot, const std::string& name) {
   return robot.name.empty() ? name : robot.name + "/" + name;
 }
 
+/// `own`: index of the robot for which it is an obstacle.
 void add_robot(collision::World& world, const Robot& robot, const RobotBody& body,
-               const Moment::RobotState& state) {
+               const Moment::RobotState& state, std::size_t own) {
   std::array<Pose, collision::kMostSteps> frames;
   body.place(state.joints, frames);
   for (std::size_t i = 0; i < robot.model->links.size(); ++i) {
     const int frame = body.frame_of(static_cast<int>(i));
     const Pose pose =
         state.base * (frame < 0 ? Pose{} : frames[at(frame)]) * body.pose_in_frame(static_cast<int>(i));
+    const bool shared = robot.shares(static_cast<int>(i), own);
     for (const Shape& shape : robot.model->links[i].collisions)
-      world.add(prefixed(robot, robot.model->links[i].name), shape, pose);
+      if (!shared) world.add(prefixed(robot, robot.model->links[i].name), shape, pose);
     if (!robot.tool || static_cast<int>(i) != robot.model->tool_link()) continue;
     for (const Shape& shape : robot.tool->body) world.add(prefixed(robot, "tool"), shape, pose);
     if (robot.tool->gripper == description::GripperKind::parallel)
@@ -70,7 +73,30 @@ void add_robot(collision::World& world, const Robot& robot, const RobotBody& bod
   }
 }
 
+/// What a robot shares with another one is checked as that one's own. Its names are those of add_robot().
+void allow_shared(const Robot& robot, const Robot& other, std::size_t index,
+                  std::vector<std::pair<std::string, std::string>>& allowed) {
+  for (std::size_t i = 0; i < robot.model->links.size(); ++i) {
+    if (!robot.shares(static_cast<int>(i), index)) continue;
+    const std::string& link = robot.model->links[i].name;
+    for (const description::Link& its : other.model->links)
+      allowed.emplace_back(link, prefixed(other, its.name));
+    for (const char* its : {"tool", "fingers"}) allowed.emplace_back(link, prefixed(other, its));
+  }
+}
+
 }  // namespace
+
+void find_shared(std::vector<Robot>& robots, const std::vector<Pose>& T_world_base) {
+  const auto drives = [](const Robot& robot) { return robot.is_free && robot.on < 0; };
+  for (std::size_t a = 0; a < robots.size(); ++a)
+    for (std::size_t b = 0; b < robots.size(); ++b) {
+      if (a == b || robots[a].on != robots[b].on || drives(robots[a]) || drives(robots[b])) continue;
+      std::vector<char> links =
+          description::shared_links(*robots[a].model, T_world_base[a], *robots[b].model, T_world_base[b]);
+      if (!links.empty()) robots[a].shared.push_back({b, std::move(links)});
+    }
+}
 
 std::vector<char> links_on_floor(const Robot& robot) {
   if (!robot.is_free || robot.on >= 0) return {};
@@ -205,7 +231,8 @@ Surroundings::Surroundings(const std::vector<Robot>& robots, const description::
       for (std::size_t i = 0; i < robots[r].model->links.size(); ++i)
         if (is_rigid_with_root(*robots[r].model, static_cast<int>(i)))
           ground.push_back(prefixed(robots[r], robots[r].model->links[i].name));
-    add_robot(world, robots[r], *robot_body(robots[r]), moment.robots[r]);
+    add_robot(world, robots[r], *robot_body(robots[r]), moment.robots[r], own);
+    allow_shared(robot, robots[r], r, options.allowed);
   }
   std::vector<HeldPart> held;
   if (own < moment.robots.size()) {

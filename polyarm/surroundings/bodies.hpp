@@ -11,6 +11,12 @@
 
 namespace polyarm::surroundings {
 
+/// Another robot of the cell with bodies in common: each is an arm on one torso.
+struct SharedBodies {
+  std::size_t robot = 0;    ///< index of the other one
+  std::vector<char> links;  ///< by link of this one: true if the other one has it, too
+};
+
 /// One robot of a cell. Model and tool outlive what is made from them, and their meshes have their pieces
 /// (make_meshes).
 struct Robot {
@@ -23,7 +29,18 @@ struct Robot {
   std::shared_ptr<const collision::RobotBody> body;
   /// Joints that the controller of its base names; empty: the shapes say which links are wheels.
   std::vector<int> wheel_joints = {};
+  /// Each robot meets its own copy of what it shares; the other robot's copy is nothing to it.
+  std::vector<SharedBodies> shared = {};
+  bool shares(int link, std::size_t other) const {
+    for (const SharedBodies& each : shared)
+      if (each.robot == other) return each.links[static_cast<std::size_t>(link)] != 0;
+    return false;
+  }
 };
+
+/// Finds what robots share, with their bases where they are at this moment. Those on different carriers share
+/// nothing, and those that drive or stand free do not.
+void find_shared(std::vector<Robot>& robots, const std::vector<Pose>& T_world_base);
 
 /// Where everything is at one moment. Robots, parts and movers are in the order of the cell and its scene.
 struct Moment {

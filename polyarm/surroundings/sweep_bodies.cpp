@@ -88,7 +88,7 @@ void SweepBodies::add_fixture(std::size_t f) {
 /// Two bodies without a part, not of one robot.
 bool SweepBodies::counts(const Body& a, const Body& b) const {
   if (a.of_robot() && b.of_robot()) {
-    if (a.robot == b.robot) return false;
+    if (a.robot == b.robot || is_shared(a, b) || is_shared(b, a)) return false;
     return may_meet(a, b) && may_meet(b, a);
   }
   if (!a.of_robot() && !b.of_robot()) return false;
@@ -121,6 +121,12 @@ std::vector<collision::Ball> SweepBodies::balls_in_hand(const Body& part, const 
   std::vector<collision::Ball> out = part.balls;
   for (collision::Ball& ball : out) ball.center = in_hand * ball.center;
   return out;
+}
+
+/// Does the robot of `other` have this body, too?
+bool SweepBodies::is_shared(const Body& body, const Body& other) const {
+  return body.kind == Kind::link && robots_[static_cast<std::size_t>(body.robot)].shares(
+                                        body.link, static_cast<std::size_t>(other.robot));
 }
 
 /// Is `a` something that `b` may not touch, as far as one robot carries the other, or none moves?

@@ -94,6 +94,7 @@ class SweepBodies {
   void add_robot(std::size_t r);
   void add_fixture(std::size_t f);
   bool may_meet(const SweptBody& a, const SweptBody& b) const;
+  bool is_shared(const SweptBody& body, const SweptBody& other) const;
 };
 
 }  // namespace polyarm::surroundings

@@ -256,6 +256,8 @@ export const codes = {
   'told.no-link-module': 'The module of a link is missing',
   'told.bad-camera': 'A camera is not valid',
   'told.bad-carrier': 'The carrier of a robot is not valid',
+  'told.bad-branch': 'The branch of a robot is not valid',
+  'told.shared-joint': 'Two robots have a joint in common',
   // hardware and controllers
   'told.component-failed': 'A hardware component failed',
   'told.unknown-component': 'The hardware component is unknown',

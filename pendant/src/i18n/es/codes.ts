@@ -254,6 +254,8 @@ export const codes: Record<keyof typeof en, string> = {
   'told.no-link-module': 'Falta el módulo de un enlace',
   'told.bad-camera': 'Una cámara no es válida',
   'told.bad-carrier': 'El portador de un robot no es válido',
+  'told.bad-branch': 'La rama de un robot no es válida',
+  'told.shared-joint': 'Dos robots tienen una articulación en común',
   // hardware and controllers
   'told.component-failed': 'Falló un componente de los equipos',
   'told.unknown-component': 'El componente no se conoce',
