@@ -482,9 +482,7 @@ class Writer {
   void world_excludes(std::size_t r, const Rigid& rigid) {
     if (is_freestanding(context_.robots[r])) return;
     const hardware::RobotInstance* carrier = carrier_of(context_.robots[r], context_.robots);
-    const std::string ground =
-        carrier ? link_name(static_cast<std::size_t>(carrier - context_.robots.data()), carrier->model->root)
-                : "world";
+    const std::vector<std::string> grounds = grounds_of(carrier);
     const description::RobotModel& model = *context_.robots[r].model;
     const int root = rigid.body_of_link[static_cast<std::size_t>(model.root)];
     for (std::size_t i = 0; i < model.links.size(); ++i) {
@@ -492,8 +490,21 @@ class Writer {
       if (joint < 0) continue;
       const int parent = model.joints[static_cast<std::size_t>(joint)].parent_link;
       if (rigid.body_of_link[static_cast<std::size_t>(parent)] == root)
-        line("<exclude body1=\"{}\" body2=\"{}\"/>", link_name(r, static_cast<int>(i)), ground);
+        for (const std::string& ground : grounds)
+          line("<exclude body1=\"{}\" body2=\"{}\"/>", link_name(r, static_cast<int>(i)), ground);
     }
+  }
+
+  /// What carries a robot: the world, or the root link of its carrier, also as others have it.
+  std::vector<std::string> grounds_of(const hardware::RobotInstance* carrier) const {
+    if (!carrier) return {"world"};
+    const auto index = static_cast<std::size_t>(carrier - context_.robots.data());
+    const auto root = static_cast<std::size_t>(carrier->model->root);
+    std::vector<std::string> out{link_name(index, carrier->model->root)};
+    for (std::size_t other = 0; other < context_.robots.size(); ++other)
+      if (const std::vector<char> shared = shared_with(index, other); !shared.empty() && shared[root])
+        out.push_back(link_name(other, context_.robots[other].model->root));
+    return out;
   }
 
   void tool_excludes(std::size_t r, const Rigid& rigid) {

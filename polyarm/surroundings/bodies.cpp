@@ -227,7 +227,7 @@ Surroundings::Surroundings(const std::vector<Robot>& robots, const description::
   }
   for (std::size_t r = 0; r < robots.size(); ++r) {
     if (r == own || r >= moment.robots.size()) continue;
-    if (static_cast<int>(r) == robot.on)
+    if (robots[r].carries(robot, r))
       for (std::size_t i = 0; i < robots[r].model->links.size(); ++i)
         if (is_rigid_with_root(*robots[r].model, static_cast<int>(i)))
           ground.push_back(prefixed(robots[r], robots[r].model->links[i].name));

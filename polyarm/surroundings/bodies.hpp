@@ -36,6 +36,12 @@ struct Robot {
       if (each.robot == other) return each.links[static_cast<std::size_t>(link)] != 0;
     return false;
   }
+  /// True if it is the carrier of the other robot, or has the carrier's root link, too. `index`: of this one.
+  bool carries(const Robot& other, std::size_t index) const {
+    return other.on >= 0 &&
+           (other.on == static_cast<int>(index) || shares_root(static_cast<std::size_t>(other.on)));
+  }
+  bool shares_root(std::size_t other) const { return !shared.empty() && shares(model->root, other); }
 };
 
 /// Finds what robots share, with their bases where they are at this moment. Those on different carriers share

@@ -133,7 +133,8 @@ bool SweepBodies::is_shared(const Body& body, const Body& other) const {
 bool SweepBodies::may_meet(const Body& a, const Body& b) const {
   const Robot &ra = robots_[static_cast<std::size_t>(a.robot)],
               &rb = robots_[static_cast<std::size_t>(b.robot)];
-  if (ra.on == b.robot && (a.is_root || a.is_first) && b.is_root) return false;
+  if (rb.carries(ra, static_cast<std::size_t>(b.robot)) && (a.is_root || a.is_first) && b.is_root)
+    return false;
   return !(a.is_root && b.is_root && !ra.is_free && !rb.is_free);
 }
 

@@ -27,7 +27,7 @@ struct Pair {
     scene.fixtures = {top};
     scene.parts = {cube("one", {0.37, 0.2, 0.12}), cube("two", {0.37, -0.2, 0.12})};
   }
-  Rig rig() {
+  Rig rig(bool with_head = false) {
     hardware::ComponentContext context;
     context.name = "world";
     context.scene = &scene;
@@ -40,9 +40,21 @@ struct Pair {
       arm.initial_positions.assign(model->actuated.size(), 0);
       context.robots.push_back(arm);
     }
+    if (with_head) {
+      Problems problems;
+      head = description::read_urdf(head_on_torso(), "head.urdf", problems);
+      hardware::RobotInstance on_torso;
+      on_torso.name = "head";
+      on_torso.model = &head;
+      on_torso.base.position.z = 0.58;
+      on_torso.on = "left";
+      on_torso.number = 2;
+      on_torso.initial_positions = {0, 0};
+      context.robots.push_back(on_torso);
+    }
     return Rig(std::make_unique<drivers::MujocoComponent>(), context);
   }
-  description::RobotModel left, right;
+  description::RobotModel left, right, head;
   description::Tool cup;
   description::Scene scene;
 };
@@ -59,6 +71,14 @@ TEST(SharedTorso, BothArmsPickAndNobodyTouchesTheTorso) {
   EXPECT_EQ(rig.part(1).held_by, 1);
   EXPECT_EQ(rig.findings(), "");
   EXPECT_NEAR(rig.state("right/right_z/position"), 0, 1e-3) << "nothing holds it back";
+}
+
+TEST(SharedTorso, ARobotOnTheTorsoOfOneIsOnThatOfTheOther) {
+  Pair pair;
+  Rig rig = pair.rig(true);
+  rig.move({{"head/turn/position", 0.5}}, 0.5);
+  EXPECT_EQ(rig.findings(), "");
+  EXPECT_NEAR(rig.state("head/turn/position"), 0.5, 1e-3);
 }
 
 TEST(SharedTorso, ArmsThatMeetAreAContact) {

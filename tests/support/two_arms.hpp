@@ -58,6 +58,27 @@ inline std::string two_arms(const std::string& more = "") {
          arm_on_torso("left") + arm_on_torso("right") + more + "</robot>";
 }
 
+/// A third arm on the torso: a base and a first link that both reach into it. At zero its last link is above.
+inline std::string head_on_torso() {
+  const auto box = [](const std::string& at) {
+    return "<collision><origin xyz=\"" + at +
+           "\"/><geometry><box size=\"0.06 0.06 0.06\"/></geometry></collision><inertial><mass "
+           "value=\"1\"/><inertia "
+           "ixx=\"0.01\" iyy=\"0.01\" izz=\"0.01\" ixy=\"0\" ixz=\"0\" iyz=\"0\"/></inertial>";
+  };
+  const std::string limits = "<limit lower=\"-1\" upper=\"1\" velocity=\"1\" effort=\"100\"/>";
+  return "<robot name=\"head\"><link name=\"base\">" + box("0 0 0") + "</link><link name=\"neck\">" +
+         box("0 0 0.02") + "</link><link name=\"head\">" + box("0 0 0") +
+         "</link><joint name=\"turn\" type=\"revolute\"><parent link=\"base\"/><child link=\"neck\"/><axis "
+         "xyz=\"0 0 "
+         "1\"/>" +
+         limits +
+         "</joint><joint name=\"nod\" type=\"revolute\"><parent link=\"neck\"/><child link=\"head\"/><origin "
+         "xyz=\"0 0 "
+         "0.2\"/><axis xyz=\"0 1 0\"/>" +
+         limits + "</joint></robot>";
+}
+
 inline std::string two_arms_srdf() {
   return R"(<robot name="pair">
 <group name="left_arm"><chain base_link="torso" tip_link="left_hand"/></group>

@@ -91,6 +91,25 @@ TEST_F(SharedBodiesTest, PlansOfAnArmKeepFromTheOtherArmAndFromTheTorsoAlone) {
   EXPECT_TRUE(around.probe().touches_exactly(std::vector<double>{-0.2, 0, 0, 0, 0})) << "its own torso";
 }
 
+TEST_F(SharedBodiesTest, ARobotOnTheTorsoOfOneIsOnThatOfTheOther) {
+  Problems problems;
+  const description::RobotModel head =
+      description::read_urdf(polyarm::test::head_on_torso(), "head.urdf", problems);
+  std::vector<Robot> all{{"left", &left, nullptr, -1, false, {}},
+                         {"right", &right, nullptr, -1, false, {}},
+                         {"head", &head, nullptr, 0, false, {}}};
+  bases.push_back({{0, 0, 0.58}, {}});
+  find_shared(all, bases);
+  Moment now = at(kZero);
+  now.robots.push_back({bases[2], {0, 0}});
+  Sweep sweep(all, scene, 0);
+  sweep.add(now, 0, [](std::size_t) { return 0; });
+  sweep.finish();
+  for (const Approach& a : sweep.approaches()) ADD_FAILURE() << text_of(a);
+  Surroundings around(all, scene, now, 2, 0.005);
+  EXPECT_FALSE(around.probe().touches_exactly(std::vector<double>{0, 0}));
+}
+
 /// Both are on one base that drives: they stay on one torso.
 TEST_F(SharedBodiesTest, BothMayRideOnOneCarrier) {
   description::RobotModel cart;
