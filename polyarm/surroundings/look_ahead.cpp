@@ -131,8 +131,9 @@ LookAhead::Answer LookAhead::look(PlannedWay& way, double now, double until,
     // What stands only a little farther is followed, too: else its distance is measured again and again.
     const bool still = is_still(i), is_followed = still && of_[i].clear_until > now;
     const double near = still ? needed + kEager : needed;
-    if (is_followed || bodies_.measure(pairs_[i], near) < near) mine_.push_back(i);
+    if (is_followed || distance_of(i, near) < near) mine_.push_back(i);
   }
+  budget_ = std::max(budget_, bodies_.measured() + options_.least_followed);
   for (const std::size_t i : mine_) {
     const GuardPair& pair = pair_at(i);
     if (of_[i].version != pair.version) {  // a part was taken or brought: as if the way began here
@@ -148,6 +149,15 @@ LookAhead::Answer LookAhead::look(PlannedWay& way, double now, double until,
   }
   follow_further(way, now, until);
   return out;
+}
+
+/// The distance of a pair, at least `enough` if it is farther. What has not moved is not measured again.
+double LookAhead::distance_of(std::size_t i, double enough) noexcept {
+  Of& of = of_[i];
+  const GuardPair& pair = pair_at(i);
+  if (of.seen != pair.slack || of.seen >= enough || of.version != pair.version)
+    of.seen = bodies_.measure(pairs_[i], enough);
+  return of.seen;
 }
 
 /// Follows near pairs beyond this look, a little in each, so that the next ones know them.

@@ -28,6 +28,9 @@ struct LookAheadOptions {
   double share = 0.7;
   std::uint64_t most_measured = 600;  ///< exact distances in one look
   std::uint64_t at_first = 5;         ///< times as many in the first look along a way
+  /// At least so many follow the way in each look, however many were needed to find what is near: a robot
+  /// among many bodies begins late, but it begins.
+  std::uint64_t least_followed = 200;
 };
 
 /// From when to when on a way the tool, or a part that the robot holds, is meant to touch something.
@@ -70,9 +73,11 @@ class LookAhead {
     bool is_required = false;  // `required` is known
     double clear_until = -1;
     double moved = 0;
+    double seen = -1;  // the slack of the pair after it was measured last
     std::uint32_t version = 0;
   };
   bool may_change(const GuardPair& pair) const noexcept;
+  double distance_of(std::size_t pair, double enough) noexcept;
   void find_reaches(PlannedWay& way, double now, double until,
                     std::span<const std::vector<double>> stopping) noexcept;
   void require(std::size_t pair) noexcept;

@@ -129,6 +129,33 @@ TEST(LookAhead, AGoalNearSomethingMayBeReached) {
       << "the clearance before the wall; beyond it nothing is near";
 }
 
+/// More is near than one look can measure: what is found stays known, so the next looks know all of it.
+TEST(LookAhead, AWayAmongMoreBodiesThanALookCanMeasureIsKnownLater) {
+  const description::RobotModel model = gantry();
+  description::Scene scene;
+  scene.floor = false;
+  for (int i = 0; i < 60; ++i)
+    scene.fixtures.push_back(fixture("post_" + std::to_string(i), {0.005, 0.02, 0.1},
+                                     {0.01 * (i / 2), i % 2 == 0 ? 0.1 : -0.1, 0}));
+  GuardBodies bodies({{"arm", &model, nullptr, -1, false, {}}}, scene);
+  LookAheadOptions options;
+  options.most_measured = 20, options.at_first = 1, options.least_followed = 5;
+  LookAhead ahead(bodies, 0, options);
+  const std::vector<std::vector<double>> nobody(1, std::vector<double>(3, 0.0));
+  Straight way({0, 0, 0}, {0.3, 0, 0}, 1);
+  bodies.look(at(0, 0, 0));
+  ahead.begin(way, {});
+  LookAhead::Answer answer = ahead.look(way, 0, 1, nobody);
+  EXPECT_EQ(answer.free_until, 0) << "not all is known";
+  EXPECT_EQ(answer.pair, -1);
+  int looks = 1;
+  for (; looks < 200 && std::isfinite(answer.free_until); ++looks) {
+    bodies.look(at(0, 0, 0));
+    answer = ahead.look(way, 0, 1, nobody);
+  }
+  EXPECT_TRUE(std::isinf(answer.free_until)) << "after " << looks << " looks";
+}
+
 TEST(LookAhead, AStartInsideSomethingMayBeLeft) {
   const description::RobotModel model = gantry();
   description::Scene scene;
