@@ -243,6 +243,7 @@ void GuardBodies::find_motion(const Moment& moment) noexcept {
       motion_[i] =
           looked_ ? motion_of_robot_body(i, moment_.robots[at(robot)].base, moment.robots[at(robot)].base)
                   : 0;
+      moved_[i] += motion_[i];
       continue;
     }
     motion_[i] = 0;

@@ -73,7 +73,7 @@ class GuardBodies : private SweepBodies {
   bool is_hand(std::uint32_t body) const noexcept { return is_hand(bodies_[body]); }
   /// False for parts, movers and what robots move.
   bool is_static(std::uint32_t body) const noexcept { return bodies_[body].is_static; }
-  /// How far a body that is no robot's has moved since the start, m; never less than it did.
+  /// How far a body has moved since the start, m; never less than it did.
   double moved(std::uint32_t body) const noexcept { return moved_[body]; }
   std::span<const double> joints(std::size_t robot) const noexcept { return moment_.robots[robot].joints; }
 

@@ -180,7 +180,7 @@ bool LookAhead::is_known(std::size_t i, double until) const noexcept {
 bool LookAhead::is_still(std::size_t i) const noexcept {
   const GuardPair& pair = pair_at(i);
   if (pair.own) return true;
-  return pair.other_than(robot_) < 0 && bodies_.moved(obstacle_of(pair)) - of_[i].moved <= kStill;
+  return bodies_.moved(obstacle_of(pair)) - of_[i].moved <= kStill && drift(pair) == of_[i].drift;
 }
 
 /// A part that the robot holds, with something that no robot moves.
@@ -211,7 +211,7 @@ bool LookAhead::scan(std::size_t i, PlannedWay& way, double now, double until, A
   if (!is_still(i)) {
     if (is_held(pair)) require(i);  // the place to which the part goes may have moved
     of.clear_until = -1;
-    if (!pair.own && pair.other_than(robot_) < 0) of.moved = bodies_.moved(obstacle_of(pair));
+    if (!pair.own) of.moved = bodies_.moved(obstacle_of(pair)), of.drift = drift(pair);
   }
   double time = std::max(now, of.clear_until);
   const std::span<const double> acceleration = way.acceleration();

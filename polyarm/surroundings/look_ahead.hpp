@@ -30,7 +30,7 @@ struct LookAheadOptions {
   std::uint64_t at_first = 5;         ///< times as many in the first look along a way
   /// At least so many follow the way in each look, however many were needed to find what is near: a robot
   /// among many bodies begins late, but it begins.
-  std::uint64_t least_followed = 200;
+  std::uint64_t least_followed = 2000;
 };
 
 /// From when to when on a way the tool, or a part that the robot holds, is meant to touch something.
@@ -72,7 +72,8 @@ class LookAhead {
     double required = 0;
     bool is_required = false;  // `required` is known
     double clear_until = -1;
-    double moved = 0;
+    double moved = 0;  // by its obstacle, when the pair was followed
+    double drift = 0;  // that was assumed then
     double seen = -1;  // the slack of the pair after it was measured last
     std::uint32_t version = 0;
   };

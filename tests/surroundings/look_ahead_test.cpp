@@ -307,6 +307,38 @@ TEST(LookAhead, TwoRobotsCountHowFarTheOtherStillGoes) {
   const double still = ahead.look(way, 0, 1, stopping).free_until;
   stopping[1][0] = 0.3;
   EXPECT_NEAR(ahead.look(way, 0, 1, stopping).free_until, still - 0.3, 0.002);
+  stopping[1][0] = 0;
+  EXPECT_NEAR(ahead.look(way, 0, 1, stopping).free_until, still, 0.002) << "it stands again";
+  moment.robots[1].joints[0] = -0.2;
+  bodies.look(moment);
+  EXPECT_NEAR(ahead.look(way, 0, 1, stopping).free_until, still - 0.2, 0.002) << "it has come nearer";
+}
+
+TEST(LookAhead, AWayAmongMoreRobotsThanALookCanMeasureIsKnownLater) {
+  const description::RobotModel model = gantry();
+  description::Scene scene;
+  scene.floor = false;
+  std::vector<Robot> robots;
+  Moment moment;
+  for (int i = 0; i < 13; ++i) {
+    robots.push_back({"robot_" + std::to_string(i), &model, nullptr, -1, true, {}});
+    moment.robots.push_back({{{0.05 * (i / 2), i == 0 ? 0 : i % 2 == 0 ? 0.1 : -0.1, 0}, {}}, {0, 0, 0}});
+  }
+  GuardBodies bodies(robots, scene);
+  LookAheadOptions options;
+  options.most_measured = 4, options.at_first = 1, options.least_followed = 3;
+  LookAhead ahead(bodies, 0, options);
+  const std::vector<std::vector<double>> stopping(robots.size(), std::vector<double>(3, 0.0));
+  Straight way({0, 0, 0}, {0.3, 0, 0}, 1);
+  bodies.look(moment);
+  ahead.begin(way, {});
+  EXPECT_EQ(ahead.look(way, 0, 1, stopping).pair, -1) << "not all is known";
+  double free_until = 0;
+  for (int looks = 0; looks < 200 && std::isfinite(free_until); ++looks) {
+    bodies.look(moment);
+    free_until = ahead.look(way, 0, 1, stopping).free_until;
+  }
+  EXPECT_TRUE(std::isinf(free_until));
 }
 
 TEST(LookAhead, AllocatesNothing) {
