@@ -3,6 +3,7 @@ import assert from 'node:assert/strict';
 import { readFileSync } from 'node:fs';
 import { createRequire } from 'node:module';
 import { picture, screen, stopKey } from './browser.mjs';
+import { until } from './cell.mjs';
 import { suite } from './suite.mjs';
 
 const axe = readFileSync(createRequire(import.meta.url).resolve('axe-core/axe.min.js'), 'utf8');
@@ -139,24 +140,27 @@ test('Stop is named for what it is', async () => {
 });
 
 test('is in use after less than 400 kB, compressed', async (t) => {
-  // On a screen that has none of it yet: until the robot is drawn, and a program's text besides.
+  // On a screen that has none of it yet: the page with its picture, the shapes of the robot, and a program's text besides.
   const context = await at.chrome.browser.newContext({ viewport: { width: 1280, height: 800 }, locale: 'en-GB' });
   const page = await context.newPage();
   const got = [];
-  page.on('requestfinished', (request) => got.push(request.sizes().then((size) => size.responseBodySize)));
-  const kilobytes = async () => {
-    await page.waitForLoadState('networkidle');
-    return (await Promise.all(got)).reduce((sum, each) => sum + each, 0) / 1000;
-  };
+  const isShape = (each) => each.url.includes('/api/mesh/');
+  page.on('requestfinished', async (request) => got.push({ url: request.url(), bytes: (await request.sizes()).responseBodySize }));
+  const kilobytes = (of) => of.reduce((sum, each) => sum + each.bytes, 0) / 1000;
   await page.goto(at.cell.link);
   await page.getByRole('region', { name: 'Robot view' }).getByRole('button', { name: 'Views' }).waitFor();
-  const first = await kilobytes();
+  await until(() => got.filter(isShape).length >= 2, 60, 'the shapes of the robot and of its gripper');
+  await page.waitForLoadState('networkidle');
+  const first = kilobytes(got.filter((each) => !isShape(each)));
+  const shapes = kilobytes(got.filter(isShape));
   await page.keyboard.press('Alt+3');
   await page.getByRole('radiogroup', { name: 'Shown as' }).getByText('Text').click();
   await page.getByRole('textbox', { name: 'Text of the program' }).waitFor();
-  const editor = await kilobytes();
-  t.diagnostic(`fetched, compressed: ${first.toFixed(0)} kB until the robot is drawn, ${editor.toFixed(0)} kB with the editor of programs`);
+  await page.waitForLoadState('networkidle');
+  const editor = kilobytes(got);
+  t.diagnostic(`fetched, compressed: ${first.toFixed(0)} kB for the page, ${shapes.toFixed(0)} kB for the robot and its gripper, ${editor.toFixed(0)} kB in all with the editor of programs`);
   assert.ok(first > 100 && first < 400, `${first} kB`);
+  assert.ok(shapes > 10 && shapes < 300, `${shapes} kB of shapes`);
   await context.close();
 });
 
