@@ -26,6 +26,49 @@ class Bucket(TypedDict):
     count: float
 
 
+class CalibrateJointsAnswer(TypedDict):
+    joints: list[JointError]
+    position_residuals: list[float]
+    rotation_residuals: list[float]
+    position_rms: float
+    rotation_rms: float
+    position_before: float
+    rotation_before: float
+    shift: float
+    turn: float
+    outlier: NotRequired[float]
+    file: NotRequired[str]
+
+
+class CalibratePayloadAnswer(TypedDict):
+    mass: float
+    mass_sigma: float
+    center: tuple[float, float, float]
+    center_sigma: float
+    tool_mass: float
+    unit: str
+    residuals: list[float]
+    rms: float
+    outlier: NotRequired[float]
+    file: NotRequired[str]
+
+
+class CalibrateSampleAnswer(TypedDict):
+    joints: dict[str, float]
+    flange: PoseFacts
+    measured: NotRequired[PoseFacts]
+    age: NotRequired[float]
+    force: NotRequired[tuple[float, float, float]]
+    torque: NotRequired[tuple[float, float, float]]
+    torques: NotRequired[dict[str, float]]
+    noise: NotRequired[float]
+
+
+class CalibrateUndoAnswer(TypedDict):
+    key: str
+    robot: str
+
+
 class CellCheckAnswer(TypedDict):
     problems: list[Finding]
     points: float
@@ -405,6 +448,13 @@ class JogEvent(TypedDict):
     why: str
     text: str
     which: str
+
+
+class JointError(TypedDict):
+    joint: str
+    offset: float
+    sigma: float
+    identifiable: bool
 
 
 class JustName(TypedDict):
@@ -1362,6 +1412,18 @@ class Requests:
 
     async def plan_preview(self, *, to: str | None = None, joints: dict[str, Any] | None = None, pose: dict[str, Any] | None = None, kind: Literal["joint", "line"] | None = None, robot: str | None = None, speed: float | None = None) -> PlanPreviewAnswer:
         return await self._ask("plan.preview", {"to": to, "joints": joints, "pose": pose, "kind": kind, "robot": robot, "speed": speed})
+
+    async def calibrate_sample(self, *, robot: str | None = None, marker: str | None = None, forces: bool | None = None) -> CalibrateSampleAnswer:
+        return await self._ask("calibrate.sample", {"robot": robot, "marker": marker, "forces": forces})
+
+    async def calibrate_joints(self, *, samples: Any, robot: str | None = None, positions: bool | None = None, in_base: bool | None = None, of_flange: bool | None = None, check: bool | None = None, dry: bool | None = None) -> CalibrateJointsAnswer:
+        return await self._ask("calibrate.joints", {"samples": samples, "robot": robot, "positions": positions, "in_base": in_base, "of_flange": of_flange, "check": check, "dry": dry})
+
+    async def calibrate_payload(self, *, samples: Any, robot: str | None = None, check: bool | None = None, dry: bool | None = None) -> CalibratePayloadAnswer:
+        return await self._ask("calibrate.payload", {"samples": samples, "robot": robot, "check": check, "dry": dry})
+
+    async def calibrate_undo(self) -> CalibrateUndoAnswer:
+        return await self._ask("calibrate.undo", {})
 
     async def files(self) -> FilesListAnswer:
         return await self._ask("files", {})
