@@ -115,8 +115,6 @@ void LookAhead::find_reaches(PlannedWay& way, double now, double until,
 LookAhead::Answer LookAhead::look(PlannedWay& way, double now, double until,
                                   std::span<const std::vector<double>> stopping) noexcept {
   until = std::min(until, way.duration());
-  budget_ = bodies_.measured() + options_.most_measured * (is_first_ ? options_.at_first : 1);
-  is_first_ = false;
   find_reaches(way, now, until, stopping);
   Answer out;
   out.free_until = kForever;
@@ -133,7 +131,8 @@ LookAhead::Answer LookAhead::look(PlannedWay& way, double now, double until,
     const double near = still ? needed + kEager : needed;
     if (is_followed || distance_of(i, near) < near) mine_.push_back(i);
   }
-  budget_ = std::max(budget_, bodies_.measured() + options_.least_followed);
+  budget_ = bodies_.measured() + options_.most_measured * (is_first_ ? options_.at_first : 1);
+  is_first_ = false;
   for (const std::size_t i : mine_) {
     const GuardPair& pair = pair_at(i);
     if (of_[i].version != pair.version) {  // a part was taken or brought: as if the way began here

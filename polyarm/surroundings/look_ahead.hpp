@@ -26,11 +26,10 @@ struct LookAheadOptions {
   /// Where start, goal or an end of a move is nearer than the clearance, this share of the distance there is
   /// kept.
   double share = 0.7;
-  std::uint64_t most_measured = 600;  ///< exact distances in one look
-  std::uint64_t at_first = 5;         ///< times as many in the first look along a way
-  /// At least so many follow the way in each look, however many were needed to find what is near: a robot
-  /// among many bodies begins late, but it begins.
-  std::uint64_t least_followed = 2000;
+  /// Exact distances that follow the way in one look, beside those that find what is near. What is known
+  /// stays known: a robot among many bodies begins late, but it begins.
+  std::uint64_t most_measured = 600;
+  std::uint64_t at_first = 5;  ///< times as many in the first look along a way
 };
 
 /// From when to when on a way the tool, or a part that the robot holds, is meant to touch something.

@@ -139,7 +139,7 @@ TEST(LookAhead, AWayAmongMoreBodiesThanALookCanMeasureIsKnownLater) {
                                      {0.01 * (i / 2), i % 2 == 0 ? 0.1 : -0.1, 0}));
   GuardBodies bodies({{"arm", &model, nullptr, -1, false, {}}}, scene);
   LookAheadOptions options;
-  options.most_measured = 20, options.at_first = 1, options.least_followed = 5;
+  options.most_measured = 5, options.at_first = 1;
   LookAhead ahead(bodies, 0, options);
   const std::vector<std::vector<double>> nobody(1, std::vector<double>(3, 0.0));
   Straight way({0, 0, 0}, {0.3, 0, 0}, 1);
@@ -326,7 +326,7 @@ TEST(LookAhead, AWayAmongMoreRobotsThanALookCanMeasureIsKnownLater) {
   }
   GuardBodies bodies(robots, scene);
   LookAheadOptions options;
-  options.most_measured = 4, options.at_first = 1, options.least_followed = 3;
+  options.most_measured = 3, options.at_first = 1;
   LookAhead ahead(bodies, 0, options);
   const std::vector<std::vector<double>> stopping(robots.size(), std::vector<double>(3, 0.0));
   Straight way({0, 0, 0}, {0.3, 0, 0}, 1);
