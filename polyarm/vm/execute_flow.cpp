@@ -11,15 +11,6 @@
 namespace polyarm::program {
 
 namespace {
-/// True if this leaves a `lock` or a `try`, whose robots must have arrived: the place of a lock is still
-/// theirs, and a move that fails belongs to its `try`.
-template <typename Task>
-bool leaves_block(Task& task, const Depths& to) {
-  const CallFrame& frame = task.frame();
-  return task.locks.size() > frame.locks + static_cast<std::size_t>(to.locks) ||
-         task.handlers.size() > frame.handlers + static_cast<std::size_t>(to.handlers);
-}
-
 /// An error that is raised again is still that of its robot.
 void keep_robot(const data::Record& error, Problem& problem) {
   const Value* const robot = error.find("robot");
@@ -36,7 +27,7 @@ void Interpreter::execute_flow(Task& task, const Step& step) {
       break;
     case Op::leave: {
       const Depths& to = at(code_.depths, step.a);
-      if (leaves_block(task, to) && !arrived(task)) return;
+      if (task.leaves_block(to) && !arrived(task)) return;
       leave(task, to, step.b);
       break;
     }
@@ -215,7 +206,7 @@ void Interpreter::end_pass(Task& task, const Step& step) {
 }
 
 void Interpreter::retry(Task& task, const Step& step) {
-  if (leaves_block(task, at(code_.depths, step.c)) && !arrived(task)) return;
+  if (task.leaves_block(at(code_.depths, step.c)) && !arrived(task)) return;
   const Value most = take_value(task, step.b, step);
   const data::Number* n = most.as_number();
   if (!n || n->dimension != Dimension::none)

@@ -329,8 +329,7 @@ void Interpreter::enter_function(Task& task, const Step& step) {
 /// The result goes to the first register of the function, which is the caller's again.
 void Interpreter::give(Task& task, const Step& step) {
   const CallFrame frame = task.frames.back();
-  const bool leaves_block = task.handlers.size() > frame.handlers || task.locks.size() > frame.locks;
-  if (leaves_block && !arrived(task)) return;
+  if (task.leaves_block() && !arrived(task)) return;
   Slot* const registers = task.stack.data() + frame.base;
   Slot& from = slot(task, step.b);
   const bool others = where(step.b) == Where::global || where(step.b) == Where::constant;

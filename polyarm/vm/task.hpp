@@ -76,6 +76,13 @@ struct Interpreter::Task {
 
   bool over() const { return state != TaskState::running && state != TaskState::waiting; }
   CallFrame& frame() { return frames.back(); }
+  /// True if going back to this place in the present call leaves a `lock` or a `try`, whose robots must have
+  /// arrived: the place of a lock is still theirs, and a move that fails belongs to its `try`.
+  bool leaves_block(const Depths& to = {}) const {
+    const CallFrame& call = frames.back();
+    return locks.size() > call.locks + static_cast<std::size_t>(to.locks) ||
+           handlers.size() > call.handlers + static_cast<std::size_t>(to.handlers);
+  }
   Slot& local(int slot) { return stack[frame().base + static_cast<std::size_t>(slot)]; }
 };
 
