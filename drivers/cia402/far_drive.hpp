@@ -58,7 +58,7 @@ class FarDrive {
   /// "operation enabled"
   const char* state_name() const;
   bool operational() const { return nmt_ == Nmt::operational; }
-  /// The largest difference between a target and where the motor was told to be, rad, since forget_jumps().
+  /// The largest difference between a target and the one before, rad, since forget_jumps().
   double largest_jump() const { return jump_; }
   void forget_jumps() { jump_ = 0; }
   std::uint32_t value(std::uint16_t index, std::uint8_t sub = 0) const;

@@ -13,7 +13,7 @@ std::string quote(std::string_view text);
 /// The line that sets the format of points; empty for none.
 std::string header(const PointFormat& format);
 
-/// The start of a comment outside quotes; npos if there is none.
+/// Where a comment outside quotes starts; npos without a comment.
 std::size_t comment_at(std::string_view line);
 
 }  // namespace polyarm::data

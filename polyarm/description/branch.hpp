@@ -25,7 +25,7 @@ Arms arms_of(const RobotModel& model);
 std::string hint_of_arms(const RobotModel& model);
 
 /// By link of `one`: true if it is fixed to the root, and `other` has the same link with the same shapes at
-/// the same place (within a centimetre). It is then one body. Empty: there is none.
+/// the same place (within a centimetre): both have the same body. Empty if they share no link.
 std::vector<char> shared_links(const RobotModel& one, const Pose& T_world_one, const RobotModel& other,
                                const Pose& T_world_other);
 

@@ -25,8 +25,8 @@ struct MeshedRobot {
 /// the names if the frames of all moving links are the same while all joints are at zero. A link that the
 /// catalogue's robot does not have belongs to the body of the next link above that it has. A link without
 /// meshes to look at has those that it collides with. Throws Error("other-robot") if the bounds of a link's
-/// meshes are off by more than `most_off` of the reach, or by five times as much if all joints are at the
-/// same places, Error("no-mesh") if no mesh is found.
+/// meshes are off by more than `most_off` of the reach, or by five times as much if links of these names
+/// have their joints at the same places, Error("no-mesh") if no mesh is found.
 MeshedRobot meshes_of(const description::RobotModel& model, const description::RobotModel& meshed,
                       double most_off = std::numeric_limits<double>::infinity());
 /// Differences of size above this share of the reach mean another model.

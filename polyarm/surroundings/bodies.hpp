@@ -29,7 +29,7 @@ struct Robot {
   std::shared_ptr<const collision::RobotBody> body;
   /// Joints that the controller of its base names; empty: the shapes say which links are wheels.
   std::vector<int> wheel_joints = {};
-  /// Each robot meets its own copy of what it shares; the other robot's copy is nothing to it.
+  /// Each robot is checked against its own copy of what it shares, not against the other robot's copy.
   std::vector<SharedBodies> shared = {};
   bool shares(int link, std::size_t other) const {
     for (const SharedBodies& each : shared)

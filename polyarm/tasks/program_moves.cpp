@@ -473,7 +473,7 @@ void ProgramMoves::end(program::Handle handle) {
     if (!moves.base) {
       moves::RobotMotion& motion = *arm.robot.motion;
       motion.end(moves.first);
-      std::erase_if(arm.open, [&](const Open& open) {  // nobody asks any more why they did not arrive
+      std::erase_if(arm.open, [&](const Open& open) {  // their failures are not reported any more
         return open.id >= moves.first && !arrives(motion.state_of(open.id));
       });
     } else if (arm.robot.base) {

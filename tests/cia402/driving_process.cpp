@@ -1,4 +1,4 @@
-/// A driver of two drives in a process of its own: BUS [PARAMETER=VALUE …]; it does as it is told on standard
+/// A driver of two drives in a process of its own: BUS [PARAMETER=VALUE …]; it reads orders from standard
 /// input. Both joints turn slowly.
 #include <cmath>
 #include <string>

@@ -248,7 +248,7 @@ TEST(Sdo, ReadsAndWritesShortAndLongObjects) {
   EXPECT_EQ(sdo.download(1, {0x6085}, long_one).code, 0x0607'0010u) << "it came in segments, and is too long";
   std::array<std::uint8_t, 8> small{};
   EXPECT_EQ(sdo.upload(1, {0x1008}, small).result, SdoResult::wrong) << "there is no room for it";
-  EXPECT_EQ(wire.sent.back().data[0], 0x80) << "and the drive is told";
+  EXPECT_EQ(wire.sent.back().data[0], 0x80) << "and the drive gets an abort";
   ASSERT_TRUE(sdo.read(1, {0x6085}, 4, value)) << "then all is well again";
 }
 
